@@ -9,8 +9,8 @@
 //! | [`observed`] | cuts and volumes for observers |
 //! | [`window`] | loads as means over substeps, loads on parts, signals of parts and walls |
 //!
-//! Nothing here knows how a fluid works, or how messages travel. A probe reads a made-up fluid whose
-//! velocity along x is its height:
+//! Nothing here knows how a fluid works, or how messages travel. A probe reads a made-up fluid
+//! whose velocity along x is its height:
 //!
 //! ```
 //! use tremie_fluid_kit::cells::{centres::Centres, grid::{Grid, Side}};

@@ -1,7 +1,7 @@
 //! Speed of the solver: millions of cells a second, and nanoseconds a link.
 //!
-//! `cargo bench -p tremie-fluid-lbm --no-default-features [-- [CELLS_PER_EDGE] [WORD ...]]` runs the
-//! cases whose names have all the words.
+//! `cargo bench -p tremie-fluid-lbm --no-default-features [-- [CELLS_PER_EDGE] [WORD ...]]` runs
+//! the cases whose names have all the words.
 
 use std::time::Instant;
 use tremie_fluid_lbm::{Collision, LbmFluid, Parameters, Precision, Variant, Walls};

@@ -36,8 +36,8 @@ fn part(name: &str, profile: Vec<[f64; 2]>, cavity: bool, position: [f64; 3]) ->
     }
 }
 
-/// Seconds of a step, the mean over some: of the processor for one thread, else of the clock.
-fn measure(scale: f64, speed: Option<f64>, threads: usize) {
+/// Half of a valve in a chamber, enlarged, and where the valve is.
+fn valve_in_a_chamber(scale: f64) -> (Scene, [f64; 3]) {
     let scaled = |profile: &[[f64; 2]]| -> Vec<[f64; 2]> {
         profile.iter().map(|p| p.map(|x| x * scale)).collect()
     };
@@ -60,6 +60,12 @@ fn measure(scale: f64, speed: Option<f64>, threads: usize) {
         ],
         ..Scene::empty(Domain::new([0.0; 3], edges, faces))
     };
+    (scene, position)
+}
+
+/// Seconds of a step, the mean over some: of the processor for one thread, else of the clock.
+fn measure(scale: f64, speed: Option<f64>, threads: usize) {
+    let (scene, position) = valve_in_a_chamber(scale);
     let parameters = Parameters {
         time_step: Some(Time(1.0)),
         collision: Collision::Bgk,

@@ -59,7 +59,8 @@ fn a_step_without_a_search_allocates_nothing() {
     let mut vertices = vec![SurfaceVertex::default(); places.len()];
     let mut counts = [0; 2];
     for step in 0..60 {
-        // From step 20 to 40 the ring spreads by a quarter of a cell and finds links anew; then it creeps.
+        // From step 20 to 40 the ring spreads by a quarter of a cell and finds links anew; then it
+        // creeps.
         let wider = 1.0 + (f64::from(step.clamp(20, 40)) - 20.0) * 0.0015;
         let creep = 1e-4 * f64::from(step);
         for (vertex, place) in vertices.iter_mut().zip(&places) {

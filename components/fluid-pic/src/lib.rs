@@ -33,8 +33,8 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! Surface tension is left out, and so is air. The fluid has no viscosity yet, and walls do not hold
-//! it back.
+//! Surface tension is left out, and so is air. The fluid has no viscosity yet, and walls do not
+//! hold it back.
 //!
 //! # Same bits
 //!

@@ -1,4 +1,5 @@
-//! Thousand polyhedron-steps per second of a settled heap, and microseconds a contact, on one thread.
+//! Thousand polyhedron-steps per second of a settled heap, and microseconds a contact, on one
+//! thread.
 //!
 //! `cargo bench -p tremie-grains-dem --no-default-features --bench solid_steps`
 

@@ -1,5 +1,5 @@
-//! Nanoseconds of a trial of a deforming surface, and of a whole substep with one: a ring of 1,176 vertices
-//! and 2,352 facets, seated or lifted, with 0, 20 and 100 spheres of 0.8 mm under it.
+//! Nanoseconds of a trial of a deforming surface, and of a whole substep with one: a ring of 1,176
+//! vertices and 2,352 facets, seated or lifted, with 0, 20 and 100 spheres of 0.8 mm under it.
 //!
 //! The processor's time counts: other programs do not enter it.
 //!

@@ -10,24 +10,26 @@ use tremie_messages::units::{Dashpot, Mass, Velocity};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Parameters {
-    /// Damping nu of `F = h(d) + nu d'`, F the force on the seal, h that of the table, d the compression.
+    /// Damping nu of `F = h(d) + nu d'`, F the force on the seal, h that of the table, d the
+    /// compression.
     pub damping: Dashpot,
-    /// Least of the method's number eta in the first pass of a step: `(k + h') dt` of contacts and table where that is
-    /// more. The passes after it go by the slope that they measure. It changes how many passes a step takes, not
-    /// where it ends.
+    /// Least of the method's number eta in the first pass of a step: `(k + h') dt` of contacts and
+    /// table where that is more. The passes after it go by the slope that they measure. It changes
+    /// how many passes a step takes, not where it ends.
     pub eta: Dashpot,
-    /// A step is settled when a pass changes the compression by less than this times the first change.
+    /// A step is settled when a pass changes the compression by less than this times the first
+    /// change.
     pub tolerance: f64,
     /// Most passes of a step.
     pub most_passes: u32,
     /// How the load on what touches the seat is counted.
     pub force: ForceForm,
-    /// Speed of sound of the fluid, for what it adds to the resistance of a seal: without, a surface
-    /// without mass whose loads come an exchange late is unstable, in contact too. A lattice's speed
-    /// (cell over time step) is on the safe side.
+    /// Speed of sound of the fluid, for what it adds to the resistance of a seal: without, a
+    /// surface without mass whose loads come an exchange late is unstable, in contact too. A
+    /// lattice's speed (cell over time step) is on the safe side.
     pub sound_speed: Velocity,
-    /// Mass of fluid that moves with the foot of a seal that is out of contact (default: density times
-    /// the foot's area to the power of 3/2).
+    /// Mass of fluid that moves with the foot of a seal that is out of contact (default: density
+    /// times the foot's area to the power of 3/2).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<Mass>,
 }
@@ -36,11 +38,12 @@ pub struct Parameters {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ForceForm {
-    /// Its component along the axis, less the pressure around over the projected area: conjugate to the
-    /// table's force, also where the surface is curved.
+    /// Its component along the axis, less the pressure around over the projected area: conjugate to
+    /// the table's force, also where the surface is curved.
     #[default]
     Axial,
-    /// Its pressure, less the pressure around, times the area, as Mutabaruka and Kamrin (2018) have it.
+    /// Its pressure, less the pressure around, times the area, as Mutabaruka and Kamrin (2018) have
+    /// it.
     Pressure,
 }
 

@@ -45,11 +45,13 @@ pub struct Parameters {
     pub grpc_port: u16,
     /// Whether to open the page in the browser.
     pub open: bool,
-    /// Most memory that the server keeps of the run, as "512 MB" or "25 %"; the oldest frames go first.
+    /// Most memory that the server keeps of the run, as "512 MB" or "25 %"; the oldest frames go
+    /// first.
     pub memory_limit: String,
     /// Speed at the upper end of the colour scale; follows the run if unset.
     pub max_speed: Option<Velocity>,
-    /// Equivalent shear strain of rubber at the upper end of its colour scale; follows the run if unset.
+    /// Equivalent shear strain of rubber at the upper end of its colour scale; follows the run if
+    /// unset.
     pub max_strain: Option<f64>,
     /// Whether to draw cuts.
     pub cuts: bool,
@@ -65,8 +67,8 @@ pub struct Parameters {
     pub iso_speed: Option<Velocity>,
     /// Draws the surface where the fluid has this gauge pressure.
     pub iso_pressure: Option<Pressure>,
-    /// Most nodes of the fluid that streamlines, slices and surfaces are made from; a finer lattice is
-    /// thinned.
+    /// Most nodes of the fluid that streamlines, slices and surfaces are made from; a finer lattice
+    /// is thinned.
     pub volume_nodes: u64,
 }
 

@@ -1,6 +1,8 @@
-//! The smallest observer: writes the largest speed of the bodies over time into `speeds.csv` in the run's folder.
+//! The smallest observer: writes the largest speed of the bodies over time into `speeds.csv` in the
+//! run's folder.
 //!
-//! In a manifest: `speeds = { program = "minimal-observer", role = "observer", lossless = true }` in `[components]`.
+//! In a manifest: `speeds = { program = "minimal-observer", role = "observer", lossless = true }`
+//! in `[components]`.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -12,6 +12,6 @@ mod text_columns;
 
 pub use charts::{Chart, Curve, draw_sheet};
 pub use command::{CommandError, key_value};
-pub use finished_run::{FinishedRun, run_name};
+pub use finished_run::{FinishedRun, NoSignals, run_name, signals_of};
 pub use signals::{Cut, SIGNALS, Signals, UnreadableSignals};
 pub use text_columns::text_columns;

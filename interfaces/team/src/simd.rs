@@ -1,12 +1,12 @@
 //! Numbers side by side: one interface over AVX-512, AVX2, plain arrays and single numbers.
 //!
-//! A formula is written once over [`SimdLane`], which single numbers have too; a kernel, which reads
-//! and writes memory, over [`SimdVector`]. Either is compiled for each variant inside a function
-//! with that variant's `#[target_feature]`. Only additions, subtractions, multiplications,
+//! A formula is written once over [`SimdLane`], which single numbers have too; a kernel, which
+//! reads and writes memory, over [`SimdVector`]. Either is compiled for each variant inside a
+//! function with that variant's `#[target_feature]`. Only additions, subtractions, multiplications,
 //! divisions, fused multiply-adds, square roots, comparisons, minima and maxima exist here, each
-//! rounded once as IEEE 754 says. The compiler fuses nothing by itself, and nothing is summed across
-//! lanes: so every variant yields the same bits. A processor without fused multiply-adds (x86-64
-//! before 2013) has them done in software: the same bits, slowly.
+//! rounded once as IEEE 754 says. The compiler fuses nothing by itself, and nothing is summed
+//! across lanes: so every variant yields the same bits. A processor without fused multiply-adds
+//! (x86-64 before 2013) has them done in software: the same bits, slowly.
 //!
 //! # Invariant
 //! A value of a vector type exists only where the processor has the instructions: `splat`, `load`
@@ -110,7 +110,8 @@ pub trait SimdVector: SimdLane {
     /// # Safety
     /// The numbers of the mask's lanes may be read.
     unsafe fn load_lanes(self, from: *const Self::Scalar, mask: Self::Mask) -> Self;
-    /// Writes the lanes whose bits are set to the numbers from `to` on, and leaves the others alone.
+    /// Writes the lanes whose bits are set to the numbers from `to` on, and leaves the others
+    /// alone.
     ///
     /// # Safety
     /// The numbers of these lanes may be written.
@@ -139,8 +140,8 @@ pub trait SimdVector: SimdLane {
     unsafe fn add_to(self, sums: *mut f64);
 }
 
-/// Writes the numbers whose bits are set to where they would stand from `to` on: halves of `H` numbers at once where
-/// all of these are set, else one by one.
+/// Writes the numbers whose bits are set to where they would stand from `to` on: halves of `H`
+/// numbers at once where all of these are set, else one by one.
 ///
 /// # Safety
 /// These may be written.

@@ -140,8 +140,8 @@ impl Manifest {
             .collect()
     }
 
-    /// The key of the manifest for one of the scene: bodies have their `placement` by `packing`, `spheres` or
-    /// `polyhedra` there.
+    /// The key of the manifest for one of the scene: bodies have their `placement` by `packing`,
+    /// `spheres` or `polyhedra` there.
     fn written(&self, key: &str) -> String {
         let names = [
             (".placement.polyhedra.placement.packed", ".packing"),
@@ -169,7 +169,8 @@ impl Manifest {
 }
 
 impl ManifestErrors {
-    /// Files beside a manifest whose folder is no text cannot be told to anybody: then that is what is wrong.
+    /// Files beside a manifest whose folder is no text cannot be told to anybody: then that is what
+    /// is wrong.
     fn of_folder(mut self, file: &Path) -> Self {
         let path = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         if path.to_str().is_none() {

@@ -1,5 +1,5 @@
-//! The reference page of the manifest, written from its schema: so that page, schema and parser have one source, the tables
-//! in [`super::document`].
+//! The reference page of the manifest, written from its schema: so that page, schema and parser
+//! have one source, the tables in [`super::document`].
 
 use serde_json::Value;
 use std::collections::VecDeque;

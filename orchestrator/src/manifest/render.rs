@@ -20,9 +20,9 @@ impl Source {
         out
     }
 
-    /// One JSON object a line, in the order of the file: `event` (`problem`), `key`, `message`, `help`,
-    /// `file`, `line`, `column`; line and column (from 1) are null where the problem is not one of a
-    /// line.
+    /// One JSON object a line, in the order of the file: `event` (`problem`), `key`, `message`,
+    /// `help`, `file`, `line`, `column`; line and column (from 1) are null where the problem is not
+    /// one of a line.
     pub fn json_lines(&self, problems: &[Problem]) -> String {
         let mut out = String::new();
         for problem in self.sorted(problems) {

@@ -19,8 +19,8 @@ use tremie_messages::units::{
 
 /// Frames that a run gives to observers unless told otherwise.
 const FRAMES: f64 = 200.0;
-/// Steps in which the section of a surface is turned unless told otherwise: its polygons have a radius
-/// that is 0.1 % off at most.
+/// Steps in which the section of a surface is turned unless told otherwise: its polygons have a
+/// radius that is 0.1 % off at most.
 const SECTORS: u32 = 60;
 
 impl Manifest {

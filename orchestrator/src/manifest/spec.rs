@@ -157,8 +157,9 @@ impl ComponentSpec {
         stem(&self.program)
     }
 
-    /// Threads that it may use on a machine of `cores`: as the manifest says, else all for fluid and grains, which
-    /// find out beside each other what more than one is worth; one for anything else. Results do not depend on it.
+    /// Threads that it may use on a machine of `cores`: as the manifest says, else all for fluid
+    /// and grains, which find out beside each other what more than one is worth; one for anything
+    /// else. Results do not depend on it.
     pub fn threads_of(&self, cores: u32) -> u32 {
         let takes_all = matches!(self.role, Role::Fluid | Role::Grains);
         self.threads.unwrap_or(if takes_all { cores.max(1) } else { 1 })

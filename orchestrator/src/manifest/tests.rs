@@ -255,7 +255,8 @@ fn listed_spheres_must_be_apart() {
     assert!(read(&across).unwrap_err().to_string().contains("overlaps"), "x is periodic");
 }
 
-/// Spheres of one clump may overlap, across periodic faces too; those of others, of none and fixed ones may not.
+/// Spheres of one clump may overlap, across periodic faces too; those of others, of none and fixed
+/// ones may not.
 #[test]
 fn spheres_of_one_clump_may_overlap() {
     let bed = "[[scene.bodies]]\nname = \"bed\"";

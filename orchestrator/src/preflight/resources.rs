@@ -101,7 +101,8 @@ fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
             FrameContent::Signals(_) => size_of::<f64>(),
             FrameContent::Log => 0,
         };
-        // The start exchange is one more, and the last window has a frame and a row whenever it comes.
+        // The start exchange is one more, and the last window has a frame and a row whenever it
+        // comes.
         let count = plan.windows.div_ceil(stream.every.max(1)) + 1;
         count.saturating_mul(stream.capacity.saturating_mul(value as u64))
     });

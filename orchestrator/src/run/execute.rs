@@ -29,6 +29,20 @@ use tremie_messages::{Problem, Role};
 /// Time that a component polls before it sleeps. Longer than a round trip between two processes
 /// (some microseconds), shorter than the time that a wake-up is worth.
 const POLL: Duration = Duration::from_micros(200);
+/// What a run that was prepared is carried out with.
+pub struct RunCall<'a> {
+    /// Its manifest.
+    pub manifest: &'a Manifest,
+    /// The folder of its outputs.
+    pub out: &'a mut RunFolder,
+    /// Where and how its components run.
+    pub execution: &'a Execution,
+    /// The user's end.
+    pub terminal: &'a mut Terminal,
+    /// Times that the user asked the run to end.
+    pub interrupts: &'a AtomicUsize,
+}
+
 /// A run that has ended. Observers that go on serving do so until this is dropped.
 pub struct Ended {
     /// Summary of the run.
@@ -63,29 +77,16 @@ impl Prepared {
     /// Anything that keeps the run from beginning; all components have ended then. A fault of a
     /// component or a disk that takes no more is no error of this function: the run then has ended
     /// with that fault.
-    pub fn execute(
-        self,
-        manifest: &Manifest,
-        out: &mut RunFolder,
-        execution: &Execution,
-        terminal: &mut Terminal,
-        interrupts: &AtomicUsize,
-    ) -> Result<Ended, RunError> {
-        if execution.in_process {
-            self.execute_between::<InProcess>(manifest, out, execution, terminal, interrupts)
+    pub fn execute(self, call: RunCall<'_>) -> Result<Ended, RunError> {
+        if call.execution.in_process {
+            self.execute_between::<InProcess>(call)
         } else {
-            self.execute_between::<SharedMemory>(manifest, out, execution, terminal, interrupts)
+            self.execute_between::<SharedMemory>(call)
         }
     }
 
-    fn execute_between<S: ChannelMedium>(
-        mut self,
-        manifest: &Manifest,
-        out: &mut RunFolder,
-        execution: &Execution,
-        terminal: &mut Terminal,
-        interrupts: &AtomicUsize,
-    ) -> Result<Ended, RunError> {
+    fn execute_between<S: ChannelMedium>(mut self, call: RunCall<'_>) -> Result<Ended, RunError> {
+        let RunCall { manifest, out, execution, terminal, interrupts } = call;
         // Also where the caller has checked: other programs may have taken memory meanwhile.
         self.fits(execution)?;
         let prefix = sweep::prefix_of(self.run);

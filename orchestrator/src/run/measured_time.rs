@@ -3,7 +3,7 @@
 use crate::manifest::Manifest;
 use crate::outputs::{Ending, JudgedFinding, RunFolder};
 use crate::preflight::WEEK;
-use crate::run::{Execution, RunError, prepare};
+use crate::run::{Execution, RunCall, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use indicatif::HumanDuration;
 use std::path::Path;
@@ -80,7 +80,13 @@ fn some_windows(
             while waits() && begin.elapsed() < time && interrupts.load(Ordering::Relaxed) == 0 {}
             end.store(1, Ordering::Relaxed);
         });
-        let ended = prepared.execute(manifest, &mut out, &execution, &mut terminal, end);
+        let ended = prepared.execute(RunCall {
+            manifest,
+            out: &mut out,
+            execution: &execution,
+            terminal: &mut terminal,
+            interrupts: end,
+        });
         drop(over);
         ended
     });

@@ -16,7 +16,7 @@ pub mod run_loop;
 mod startup_log;
 mod stop_conditions;
 
-pub use execute::Ended;
+pub use execute::{Ended, RunCall};
 pub use prepare::{Prepared, prepare};
 
 use crate::outputs::OutputError;

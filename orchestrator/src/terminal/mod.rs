@@ -57,12 +57,16 @@ pub struct Terminal {
     told: bool,
     /// Messages are the command's answer, and belong on standard output.
     answers: bool,
+    /// Standard error is a terminal to draw on.
+    draws: bool,
 }
 
 impl Terminal {
     /// A terminal of this style for a run, whose messages go to standard error.
     pub fn new(style: Style) -> Self {
-        Self { style, bar: None, last_plain: Instant::now(), told: false, answers: false }
+        // Asked once: the answer is a call of the system, and progress is offered all the time.
+        let draws = std::io::stderr().is_terminal();
+        Self { style, bar: None, last_plain: Instant::now(), told: false, answers: false, draws }
     }
 
     /// A terminal of this style for a command whose answer is its messages: they go to standard
@@ -74,7 +78,7 @@ impl Terminal {
 
     /// True if errors may be coloured.
     pub fn colour(&self) -> bool {
-        std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+        self.draws && std::env::var_os("NO_COLOR").is_none()
     }
 
     /// True if a program reads the messages, and not a person.
@@ -147,16 +151,13 @@ impl Terminal {
         match self.style {
             Style::Quiet | Style::Silent => false,
             Style::Json => since > JSON_INTERVAL,
-            Style::Person if std::io::stderr().is_terminal() => true,
+            Style::Person if self.draws => true,
             Style::Person => since > if self.told { PLAIN_INTERVAL } else { FIRST_LINE },
         }
     }
 
-    /// Shows progress.
+    /// Shows progress, of which [`Terminal::wants_progress`] says when.
     pub fn progress(&mut self, progress: &Progress) {
-        if !self.wants_progress() {
-            return;
-        }
         match self.style {
             Style::Quiet | Style::Silent => {}
             Style::Json => {
@@ -167,7 +168,7 @@ impl Terminal {
                     "seconds_left": progress.seconds_left(),
                 }));
             }
-            Style::Person if std::io::stderr().is_terminal() => self.draw(progress),
+            Style::Person if self.draws => self.draw(progress),
             Style::Person if progress.rate > 0.0 => {
                 self.told = true;
                 self.last_plain = Instant::now();

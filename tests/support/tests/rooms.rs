@@ -277,3 +277,70 @@ fn the_registry_alone_names_what_the_program_carries() {
         assert!(named.is_none() || room == "registry", "{:?} names {named:?}", source.path);
     }
 }
+
+/// Longest function, in lines.
+const LONGEST: usize = 70;
+
+/// Functions that may be longer: each is the text of a file with its numbers filled in.
+const TEMPLATES: [(&str, &str); 2] = [
+    ("examples/pressure-valve/src/scene/working.rs", "manifest"),
+    ("examples/pressure-valve/src/scene/grains.rs", "tables"),
+];
+
+/// Name of the function that a line begins, and how far the line is indented.
+fn function(line: &str) -> Option<(usize, &str)> {
+    let code = line.trim_start();
+    let rest = ["pub(crate) ", "pub(super) ", "pub ", "const ", "unsafe "]
+        .iter()
+        .fold(code, |rest, word| rest.strip_prefix(word).unwrap_or(rest));
+    let name = rest.strip_prefix("fn ")?;
+    let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
+    Some((line.len() - code.len(), &name[..end]))
+}
+
+/// All sources of the workspace, with the path from its root.
+fn all_sources() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut folders: Vec<_> = ["interfaces", "components", "orchestrator", "tests", "examples"]
+        .map(|name| root.join(name))
+        .into();
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "rs") {
+                let text = fs::read_to_string(&path).unwrap();
+                found.push((path.strip_prefix(&root).unwrap().display().to_string(), text));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn functions_are_short() {
+    let (mut seen, mut long) = (0, Vec::new());
+    for (path, text) in all_sources() {
+        let lines: Vec<&str> = text.lines().collect();
+        for (begin, line) in lines.iter().enumerate() {
+            let Some((indent, name)) = function(line) else { continue };
+            let closing = format!("{}}}", " ".repeat(indent));
+            let length = lines[begin..].iter().position(|line| *line == closing);
+            // A function without a body ends with a semicolon, on this line or a later one.
+            let semicolon = lines[begin..].iter().position(|line| line.ends_with(';'));
+            let opening = lines[begin..].iter().position(|line| line.ends_with('{'));
+            if line.ends_with('}') || semicolon < opening {
+                continue;
+            }
+            seen += 1;
+            let lines = length.map_or(0, |length| length + 1);
+            if lines > LONGEST && !TEMPLATES.contains(&(path.as_str(), name)) {
+                long.push(format!("{path}: {name}, {lines} lines"));
+            }
+        }
+    }
+    assert!(seen > 3000, "{seen}");
+    assert!(long.is_empty(), "{}", long.join("\n"));
+}

@@ -62,7 +62,8 @@ impl Grid {
         Self::new(n, periodic.map(|p| [if p { Side::Periodic } else { Side::Wall }; 2]))
     }
 
-    /// The open faces at which a cell lies, axis and side, in the order of the world's axes: it belongs to the first.
+    /// The open faces at which a cell lies, axis and side, in the order of the world's axes: it
+    /// belongs to the first.
     pub fn open_faces(&self, at: [i32; 3]) -> impl Iterator<Item = (usize, usize)> {
         let is_at = move |axis: usize, side: usize| {
             self.sides[axis][side] == Side::Open && at[axis] == [0, self.n[axis] - 1][side]
@@ -154,7 +155,8 @@ impl Grid {
         }
     }
 
-    /// The axes at which a way that ends at these coordinates is mirrored; none where a face ends it.
+    /// The axes at which a way that ends at these coordinates is mirrored; none where a face ends
+    /// it.
     pub fn mirrors_to(&self, end: [i32; 3]) -> u8 {
         match self.reach(end) {
             Reach::Cell { mirrors, .. } => mirrors,

@@ -1,7 +1,7 @@
 //! Cells that solids cover, and solids thinner than a cell.
 
-/// A thin solid between two cells of the fluid: the link `dir` of the cell `cell` of the box ends at
-/// it. Both cells have such a link.
+/// A thin solid between two cells of the fluid: the link `dir` of the cell `cell` of the box ends
+/// at it. Both cells have such a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Sheet {
     /// Index of the cell in the box.

@@ -3,8 +3,8 @@
 use tremie_messages::Problem;
 use tremie_messages::scene::Domain;
 
-/// Cells of an edge [m] along each axis of a domain, with a problem of the parameter `cell` for each
-/// edge of the domain that is not a whole number of them.
+/// Cells of an edge [m] along each axis of a domain, with a problem of the parameter `cell` for
+/// each edge of the domain that is not a whole number of them.
 pub fn whole_cells(domain: &Domain, cell: f64, problems: &mut Vec<Problem>) -> [usize; 3] {
     let size = domain.size();
     let common = common_cell(size, cell);

@@ -25,7 +25,8 @@ pub struct CellFindings {
 }
 
 impl CellFindings {
-    /// Judges the cells across what the fluid goes around. `meaning` says what the number is, `what` begins the reasons.
+    /// Judges the cells across what the fluid goes around. `meaning` says what the number is,
+    /// `what` begins the reasons.
     fn across(&self, quantity: &str, cells: f64, [meaning, what]: [&str; 2]) -> Finding {
         let width = cells * self.cell;
         let remedy = format!("a cell of {} m makes it {RESOLVED}", short(width / RESOLVED));
@@ -54,7 +55,8 @@ impl CellFindings {
         self.across("cells across the thinnest polyhedron", cells, said)
     }
 
-    /// A part that is slim two ways is judged as a sphere of that diameter; a plate has to be seen at all.
+    /// A part that is slim two ways is judged as a sphere of that diameter; a plate has to be seen
+    /// at all.
     pub fn part(&self, part: &PartExtent) -> Vec<Finding> {
         let cell = self.cell;
         let across = part.across.map(|cells| {
@@ -74,8 +76,8 @@ impl CellFindings {
         across.into_iter().chain(through).collect()
     }
 
-    /// A low relaxation time is a large Reynolds number of a cell: with few cells across, the layer in which a
-    /// sphere's drag is made is thinner than one.
+    /// A low relaxation time is a large Reynolds number of a cell: with few cells across, the layer
+    /// in which a sphere's drag is made is thinner than one.
     pub fn layer(&self, cells: f64, fluid: &FluidMaterial) -> Option<Finding> {
         let speed = fluid.expected_speed.filter(|speed| *speed > 0.0)?;
         let nu = fluid.viscosity / fluid.density;

@@ -237,9 +237,9 @@ fn is_reached(ground: &StaticGeometry, place: [f64; 3]) -> bool {
 /// The two ends of the narrowest place between two parts, if it is narrower than `width`. `None` if
 /// they touch.
 ///
-/// Points of one surface two cells apart and less, and from those that may come closest on by going to
-/// the closest point of the other surface and back; within the domain, outside of which parts may meet, and
-/// where `reached` says that there is fluid.
+/// Points of one surface two cells apart and less, and from those that may come closest on by going
+/// to the closest point of the other surface and back; within the domain, outside of which parts
+/// may meet, and where `reached` says that there is fluid.
 fn between_parts(
     a: &PlacedSurface,
     b: &PlacedSurface,
@@ -299,7 +299,8 @@ fn settle(a: &PlacedSurface, b: &PlacedSurface, mut to: [f64; 3]) -> ([f64; 3], 
     (from, to)
 }
 
-/// Points of a triangle at most `spacing` apart, its corners among them: rows along its longest edge.
+/// Points of a triangle at most `spacing` apart, its corners among them: rows along its longest
+/// edge.
 fn points(corners: [[f64; 3]; 3], spacing: f64) -> impl Iterator<Item = [f64; 3]> {
     let edge = |k: usize| minus(corners[(k + 1) % 3], corners[k]);
     let longest = (0..3).max_by(|&a, &b| length(edge(a)).total_cmp(&length(edge(b)))).unwrap_or(0);
@@ -368,7 +369,8 @@ mod tests {
         narrowest(&scene, &StaticGeometry::in_unit_cells(&scene))
     }
 
-    /// Two crossed bars, edge above edge, 1.7 apart; what touches or is far away counts for nothing.
+    /// Two crossed bars, edge above edge, 1.7 apart; what touches or is far away counts for
+    /// nothing.
     #[test]
     fn the_narrowest_gap_is_found() {
         let bar = Geometry::Box { size: [30.0, 4.0, 4.0] };

@@ -9,7 +9,8 @@ use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{BodySet, Motion, Placement, Scene};
 
-/// Part of a region without fluid from which on somebody should look: a rim of cells at a wall is less.
+/// Part of a region without fluid from which on somebody should look: a rim of cells at a wall is
+/// less.
 const DRY: f64 = 0.01;
 
 /// A region in which grains start or come, with space in it to which no fluid gets.
@@ -21,7 +22,8 @@ pub struct DryRegion {
     pub share: f64,
 }
 
-/// The narrowest place on the widest way that grains have from where they start to where they leave.
+/// The narrowest place on the widest way that grains have from where they start to where they
+/// leave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Throat {
     /// Its width between what stands still, give or take [`Throat::SLACK`] cells [m].
@@ -112,8 +114,8 @@ impl DryRegion {
 }
 
 impl Throat {
-    /// Cells by which a width that is counted in cells may be too small: their middle may be between two, and a
-    /// wall takes the cells whose centres it touches.
+    /// Cells by which a width that is counted in cells may be too small: their middle may be
+    /// between two, and a wall takes the cells whose centres it touches.
     pub const SLACK: f64 = 2.0;
 
     /// With a verdict.

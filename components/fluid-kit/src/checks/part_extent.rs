@@ -25,10 +25,11 @@ const POINTS: usize = 20_000;
 const SIDE: usize = 8;
 /// Directions across the normal that are tried, over half a turn.
 const AROUND: usize = 6;
-/// Two faces that are turned away from being opposite by more than this cosine make a wedge or a corner, not a wall. The
-/// sides of a pentagon are walls yet.
+/// Two faces that are turned away from being opposite by more than this cosine make a wedge or a
+/// corner, not a wall. The sides of a pentagon are walls yet.
 const OPPOSITE: f64 = 0.8;
-/// Part of a surface in the fluid from which on a part stands free, and is no thicker than its own widths.
+/// Part of a surface in the fluid from which on a part stands free, and is no thicker than its own
+/// widths.
 const FREE: f64 = 0.95;
 
 /// Thickness of a part in the fluid.
@@ -49,14 +50,15 @@ struct PlacedExtent<'a> {
     frame: Frame,
 }
 
-/// Of one point: its share of the surface, and the three ways, sorted; infinite where they are longer than is looked at.
+/// Of one point: its share of the surface, and the three ways, sorted; infinite where they are
+/// longer than is looked at.
 struct Sample {
     area: f64,
     ways: [f64; 3],
 }
 
-/// The parts that are thinner somewhere than is looked at, by their place in the scene. Cavities have no thickness, and what
-/// lets fluid in or out no outline.
+/// The parts that are thinner somewhere than is looked at, by their place in the scene. Cavities
+/// have no thickness, and what lets fluid in or out no outline.
 pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
     let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
     let moving = ground.moving.iter().enumerate();
@@ -114,7 +116,8 @@ impl PlacedExtent<'_> {
         Some((least(0)?, least(1)))
     }
 
-    /// The least and the middle one of its widths, along the axes of its frame or of its inertia [cells].
+    /// The least and the middle one of its widths, along the axes of its frame or of its inertia
+    /// [cells].
     fn widths(&self, cell: f64) -> [f64; 2] {
         let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let (_, turned) = principal(&self.surface.mesh().moments().inertia);
@@ -238,7 +241,8 @@ impl PlacedExtent<'_> {
     }
 }
 
-/// A number of cells without the rounding of what it was found from: eight cells are not less than eight.
+/// A number of cells without the rounding of what it was found from: eight cells are not less than
+/// eight.
 pub fn rounded(cells: f64) -> f64 {
     (cells * 1e6).round() / 1e6
 }
@@ -321,8 +325,8 @@ mod tests {
             let (through, across) = only(part(Geometry::Sphere { radius }, MIDDLE));
             assert!(near(Some(through), 2.0 * radius) && near(across, 2.0 * radius));
         }
-        // A flat disc is as wide as its diameter. A chord whose ends are no more than 37 degrees from opposite is a way
-        // across as well: no less than 0.948 of it.
+        // A flat disc is as wide as its diameter. A chord whose ends are no more than 37 degrees
+        // from opposite is a way across as well: no less than 0.948 of it.
         let (through, across) = only(part(Geometry::Cylinder { radius: 5.0, length: 1.0 }, MIDDLE));
         assert_eq!(through, 1.0);
         assert!(across.is_some_and(|across| (9.48..=10.0).contains(&across)), "{across:?}");

@@ -115,8 +115,8 @@ impl ProbePlan {
         });
     }
 
-    /// Calls `tell` with the number of each probe, its shape and what was measured there; of a profile
-    /// once for each strip.
+    /// Calls `tell` with the number of each probe, its shape and what was measured there; of a
+    /// profile once for each strip.
     pub fn tell(&self, mut tell: impl FnMut(usize, &ProbeShape, &ProbeSum)) {
         let mut items = self.items.iter().peekable();
         for (number, shape) in self.shapes.iter().enumerate() {

@@ -94,7 +94,8 @@ pub fn first_velocity(shape: &ProbeShape) -> Option<usize> {
     rows(shape).iter().position(|(name, ..)| *name == OF_PLACES[1].0)
 }
 
-/// Appends the values of a probe of a shape, or of a strip of a profile, in the order of its signals.
+/// Appends the values of a probe of a shape, or of a strip of a profile, in the order of its
+/// signals.
 pub fn append(shape: &ProbeShape, measured: &ProbeValues, out: &mut Vec<f64>) {
     if let ProbeShape::Profile { axis, .. } = shape {
         return out.push(measured.velocity[*axis]);

@@ -1,19 +1,21 @@
 //! Volume of fluid that a part displaces in the domain, and its first moments.
 //!
-//! Buoyancy is that of what of a part lies in the domain, as if fluid stood all around it: also where it rests on a floor,
-//! or a face cuts it. So it is the same for a part that is fixed, moves or lies free. A cavity displaces less than
-//! nothing: the fluid in it weighs on it. A part that reaches from one face to the opposite one, as a pipe does or a
-//! column, shows the fluid no ends there: along that axis those do not count, and a straight one feels nothing.
+//! Buoyancy is that of what of a part lies in the domain, as if fluid stood all around it: also
+//! where it rests on a floor, or a face cuts it. So it is the same for a part that is fixed, moves
+//! or lies free. A cavity displaces less than nothing: the fluid in it weighs on it. A part that
+//! reaches from one face to the opposite one, as a pipe does or a column, shows the fluid no ends
+//! there: along that axis those do not count, and a straight one feels nothing.
 //!
-//! By the theorem of Gauss, with the axis in question as x, over the part of the surface that lies between the planes
-//! across y and z, and for the areas of the ends over what lies beyond the planes across x:
+//! By the theorem of Gauss, with the axis in question as x, over the part of the surface that lies
+//! between the planes across y and z, and for the areas of the ends over what lies beyond the
+//! planes across x:
 //!
 //! ```text
 //! V = int (min(max(x, x_lower), x_upper) - x_lower) n_x dA        V_x = V - (x_upper - x_lower) (A_lower + A_upper)/2
 //! ```
 //!
-//! and alike for the first moments: pressure counts from the middle between the ends. Triangles are cut at the planes,
-//! and the integrals over the pieces are exact.
+//! and alike for the first moments: pressure counts from the middle between the ends. Triangles are
+//! cut at the planes, and the integrals over the pieces are exact.
 
 use crate::cells::grid::{Grid, Side};
 use crate::cells::vector::cross;
@@ -29,7 +31,8 @@ pub struct Displaced {
     pub moment: [[f64; 3]; 3],
 }
 
-/// Of an end that lies in a face, or beyond it: as part of the domain's length, what counts as in it.
+/// Of an end that lies in a face, or beyond it: as part of the domain's length, what counts as in
+/// it.
 const FLUSH: f64 = 1e-9;
 
 /// Corners of a triangle that was cut by six planes.
@@ -105,7 +108,8 @@ impl Displaced {
         [std::array::from_fn(|a| lift[a] * self.volume[a]), torque]
     }
 
-    /// By a closed mesh in a window, its vertices being placed by `place`; moments are about `reference`.
+    /// By a closed mesh in a window, its vertices being placed by `place`; moments are about
+    /// `reference`.
     pub fn by(
         mesh: &Mesh,
         place: impl Fn([f64; 3]) -> [f64; 3],
@@ -193,7 +197,8 @@ fn along(
 }
 
 impl Polygon {
-    /// Calls `visit` with parts of `n_x dA` and where they are, so that sums of quadratic functions are exact.
+    /// Calls `visit` with parts of `n_x dA` and where they are, so that sums of quadratic functions
+    /// are exact.
     fn each(&self, mut visit: impl FnMut(f64, [f64; 3])) {
         let corners = self.corners();
         for k in 2..corners.len() {

@@ -2,8 +2,8 @@
 
 use crate::cells::grid::{Grid, Side};
 
-/// Axes across which a symmetry plane cuts a part: it is its own image if its origin is on the plane;
-/// one whose origin is not just passes near.
+/// Axes across which a symmetry plane cuts a part: it is its own image if its origin is on the
+/// plane; one whose origin is not just passes near.
 pub fn mirrors_of_part(grid: &Grid, origin: [f64; 3]) -> [bool; 3] {
     near_mirrors(grid, origin, 1e-6)
 }

@@ -71,7 +71,8 @@ fn images(part: &Part, surface: &Surface, domain: &Domain, cell: f64) -> Vec<Ima
     images
 }
 
-/// The static solids of a scene: its fixed parts in their order, then its planes; `cell` is the edge of a cell [m].
+/// The static solids of a scene: its fixed parts in their order, then its planes; `cell` is the
+/// edge of a cell [m].
 ///
 /// # Errors
 /// Every part whose surface cannot be had.
@@ -295,7 +296,8 @@ impl Solid {
         }
     }
 
-    /// The way from a point [m] to the nearest one of the surface [m], if it is at most `reach` [m] long.
+    /// The way from a point [m] to the nearest one of the surface [m], if it is at most `reach` [m]
+    /// long.
     pub fn way_within(&self, point: [f64; 3], reach: f64) -> Option<[f64; 3]> {
         match &self.shape {
             SolidShape::Plane { point: on, normal } => {

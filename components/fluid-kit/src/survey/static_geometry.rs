@@ -40,7 +40,8 @@ pub struct StaticGeometry {
     /// Orientation of a frame that is not turned in the world, a unit quaternion `(x, y, z, w)`.
     pub upright: [f64; 4],
     centres: Centres,
-    /// Number of links that surfaces cut between two cells of the fluid, at the start, and the names of what cuts them.
+    /// Number of links that surfaces cut between two cells of the fluid, at the start, and the
+    /// names of what cuts them.
     cut: (usize, Vec<String>),
 }
 

@@ -67,7 +67,8 @@ impl Voxels {
         voxels
     }
 
-    /// Links that meet the surfaces of more solids, of which no link knows here: as `obstacles.sheets` has those of its own.
+    /// Links that meet the surfaces of more solids, of which no link knows here: as
+    /// `obstacles.sheets` has those of its own.
     pub fn sheets_of(&self, grid: &Grid, centres: &Centres, more: &[Solid]) -> Vec<Sheet> {
         let mut marks = self.obstacles.solid.clone();
         for solid in more {

@@ -16,8 +16,8 @@ impl SubstepMeans {
         Self { partial: Vec::new(), partial_facets: vec![FacetLoad::default(); facets] }
     }
 
-    /// Takes the substeps of a window; `loads` and `facets` become the means over all. `step` takes one,
-    /// and writes its loads.
+    /// Takes the substeps of a window; `loads` and `facets` become the means over all. `step` takes
+    /// one, and writes its loads.
     ///
     /// # Errors
     /// That of the first step that fails.

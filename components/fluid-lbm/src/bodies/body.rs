@@ -110,10 +110,11 @@ fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 /// start [steps]. The population that comes back to the cell at the step's end met the wall at
 /// `1 - q` of the step, or at `q` where that is more.
 ///
-/// The wall's velocity is that of this time. One and the same for all links would be late for all but those that meet
-/// the wall half-way, and as a force that is late it would feed the sound around the body: a plate on 30 cells of
-/// fluid swings by a factor of e more in some thousand steps. (A surface that deforms answers the force with a
-/// velocity, not with a change of it: taken further, that would swing from step to step.)
+/// The wall's velocity is that of this time. One and the same for all links would be late for all
+/// but those that meet the wall half-way, and as a force that is late it would feed the sound
+/// around the body: a plate on 30 cells of fluid swings by a factor of e more in some thousand
+/// steps. (A surface that deforms answers the force with a velocity, not with a change of it: taken
+/// further, that would swing from step to step.)
 #[inline(always)]
 pub fn late(q: f64) -> f64 {
     (q - 0.5).abs()
@@ -365,8 +366,8 @@ impl Body {
         part.size() != size
     }
 
-    /// Finds the cells inside at the new position, and which were left and entered; of a part, once it
-    /// is covered.
+    /// Finds the cells inside at the new position, and which were left and entered; of a part, once
+    /// it is covered.
     ///
     /// Lines are of `line` cells; true if links to a sphere can begin in others than before.
     pub fn cover(&mut self, layout: &Layout, line: usize) -> bool {
@@ -430,7 +431,8 @@ impl Body {
         }
     }
 
-    /// Wants the densities of all lines in which links to a sphere can begin; those of a part are known.
+    /// Wants the densities of all lines in which links to a sphere can begin; those of a part are
+    /// known.
     pub fn want(&self, lines: &[AtomicU8]) {
         for &line in &self.lines {
             lines[line as usize].store(1, Relaxed);

@@ -42,14 +42,14 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// None, in a scene with a catalogue of what they can be; velocities of parts are taken `lead` steps
-    /// ahead.
+    /// None, in a scene with a catalogue of what they can be; velocities of parts are taken `lead`
+    /// steps ahead.
     pub fn of(catalogue: BodyShapes, lead: f64) -> Self {
         Self { catalogue, lead, ..Self::default() }
     }
 
-    /// Tells what bodies of the scene's sets displace, in the order in which they come; nothing of a set whose bodies displace all
-    /// of their volume.
+    /// Tells what bodies of the scene's sets displace, in the order in which they come; nothing of
+    /// a set whose bodies displace all of their volume.
     pub fn share_unions(&mut self, shares: Vec<Vec<UnionShare>>) {
         self.came = vec![0; shares.len()];
         self.shares = shares;
@@ -108,7 +108,8 @@ impl Bodies {
         self.places[handle as usize] as usize
     }
 
-    /// The items of links of all bodies but spheres, from the first to the last, and those of spheres in between.
+    /// The items of links of all bodies but spheres, from the first to the last, and those of
+    /// spheres in between.
     pub fn items_with_surface(&self) -> std::ops::Range<usize> {
         let mut others = self.living.iter().filter(|body| body.part.is_some());
         let Some(first) = others.next() else { return 0..0 };

@@ -2,14 +2,15 @@
 
 use tremie_messages::scene::{BodySizes, Diameters, Inlet, Placement, Scene, SievePoint};
 
-/// Measured on x86-64, in bytes, of bodies at rest and on the move: what each takes, whatever its size; for each square of
-/// its diameter in cells, because links are on its surface; and for each cube of it.
+/// Measured on x86-64, in bytes, of bodies at rest and on the move: what each takes, whatever its
+/// size; for each square of its diameter in cells, because links are on its surface; and for each
+/// cube of it.
 const SPHERE: [f64; 3] = [27e3, 1.2e3, 33.0];
 /// Of a polyhedron links are found through its faces.
 const POLYHEDRON: [f64; 3] = [25e3, 3.7e3, 33.0];
 
-/// Memory of the bodies at the start, and of those that inlets feed, between as many as fill the inlet and as fill the domain
-/// [bytes]; `cell` is the edge of a cell [m].
+/// Memory of the bodies at the start, and of those that inlets feed, between as many as fill the
+/// inlet and as fill the domain [bytes]; `cell` is the edge of a cell [m].
 pub(crate) fn of_bodies(scene: &Scene, cell: f64) -> u64 {
     let of_set = |placement: &Placement| {
         let cost = match placement {
@@ -92,8 +93,8 @@ fn bell(z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against closed forms: of a uniform distribution, of a log-normal one that is hardly cut, of a sieve curve of one
-    /// stage (number density 1/d^4).
+    /// Against closed forms: of a uniform distribution, of a log-normal one that is hardly cut, of
+    /// a sieve curve of one stage (number density 1/d^4).
     #[test]
     fn mean_volumes_are_those_of_the_distributions() {
         let cube = |d: f64| d * d * d;

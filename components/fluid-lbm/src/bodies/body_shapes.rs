@@ -1,5 +1,5 @@
-//! The surfaces of bodies that are no spheres: those of the scene's parts that move, and its shapes of
-//! polyhedra, at the size of each.
+//! The surfaces of bodies that are no spheres: those of the scene's parts that move, and its shapes
+//! of polyhedra, at the size of each.
 
 use crate::bodies::mesh_body::MeshBody;
 use crate::bodies::pose_rounding::Rounding;
@@ -68,7 +68,8 @@ impl BodyShapes {
         }
     }
 
-    /// The body that an event adds, which was checked; none for a sphere. `cell` is the edge of one [m].
+    /// The body that an event adds, which was checked; none for a sphere. `cell` is the edge of one
+    /// [m].
     pub fn body(&self, event: &BodyEvent, cell: f64) -> Option<Box<MeshBody>> {
         let surface = self.surface(event).ok()??;
         let (index, rounding) = match event.shape {

@@ -68,7 +68,8 @@ impl ChangeBlocks {
 
     /// Largest number of bricks that a cube of `side` cells can lie in.
     pub fn most(side: i32) -> usize {
-        // One more along an axis where it does not begin at a face of bricks, another through a face of the box.
+        // One more along an axis where it does not begin at a face of bricks, another through a
+        // face of the box.
         ((side >> EDGE_BITS) as usize + 3).pow(3)
     }
 

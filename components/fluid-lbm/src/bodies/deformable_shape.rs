@@ -1,10 +1,10 @@
 //! Shape of a deformable surface: vertices that move by themselves, which a part has not.
 //!
-//! Such a surface is a body whose frame stands still, with the origin of its section in the scene as its
-//! reference. Its cells and links are found anew when a vertex is more than `part_step` from where it
-//! was when they were found; what is found so depends on the way that it came. In between, the places
-//! where links meet it follow their facets to first order. The wall's velocity at such a place is that of
-//! the facet's vertices, linearly in between.
+//! Such a surface is a body whose frame stands still, with the origin of its section in the scene
+//! as its reference. Its cells and links are found anew when a vertex is more than `part_step` from
+//! where it was when they were found; what is found so depends on the way that it came. In between,
+//! the places where links meet it follow their facets to first order. The wall's velocity at such a
+//! place is that of the facet's vertices, linearly in between.
 
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
 use crate::lattice::ledger::add_scaled;
@@ -112,8 +112,8 @@ impl DeformableShape {
         }
     }
 
-    /// Takes over vertices; `reference` [m] is in the world. True if any is more than `step` cells from
-    /// where links were found on `found`.
+    /// Takes over vertices; `reference` [m] is in the world. True if any is more than `step` cells
+    /// from where links were found on `found`.
     pub fn take(
         &mut self,
         vertices: &[SurfaceVertex],

@@ -2,9 +2,9 @@
 
 use crate::lattice::momentum_exchange::MomentumExchange;
 
-/// Part of what is owed that a step pays. Between a body's surface and the last cells is volume whose
-/// density follows the sound around: what is owed for that comes and goes by itself, and paid within a period
-/// it would feed the sound.
+/// Part of what is owed that a step pays. Between a body's surface and the last cells is volume
+/// whose density follows the sound around: what is owed for that comes and goes by itself, and paid
+/// within a period it would feed the sound.
 const RATE: f64 = 0.002;
 
 /// The mass that one body owes the fluid [cells at density 1].
@@ -35,8 +35,8 @@ impl MassAccount {
         self.space += 1.0;
     }
 
-    /// Links gave what `exchange` says to the fluid, of which `drawn` is all that gaps drew in and `taken` the mass that
-    /// intakes will take for it; `mean` is the fluid's mean density.
+    /// Links gave what `exchange` says to the fluid, of which `drawn` is all that gaps drew in and
+    /// `taken` the mass that intakes will take for it; `mean` is the fluid's mean density.
     pub fn settle(&mut self, exchange: &MomentumExchange, mean: f64, taken: f64) {
         let MomentumExchange { mass, receded, drawn, weight, .. } = *exchange;
         self.took += taken - mass;

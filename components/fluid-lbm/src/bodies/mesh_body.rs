@@ -26,8 +26,8 @@ pub use self::link_intersections::NearFacets;
 /// A part, or a polyhedron, as a body in the fluid.
 #[derive(Clone, Debug)]
 pub struct MeshBody {
-    /// Its index among the parts of the scene; a surface's comes after those of all parts; of a polyhedron
-    /// [`MeshBody::NO_PART`].
+    /// Its index among the parts of the scene; a surface's comes after those of all parts; of a
+    /// polyhedron [`MeshBody::NO_PART`].
     pub index: usize,
     /// Vertices and loads of a deformable surface.
     pub shape: Option<Box<DeformableShape>>,
@@ -110,7 +110,8 @@ impl MeshBody {
         own
     }
 
-    /// Takes over the vertices of a deformable surface; true if its cells and links must be found anew.
+    /// Takes over the vertices of a deformable surface; true if its cells and links must be found
+    /// anew.
     pub fn deform(&mut self, vertices: &[SurfaceVertex], lead: f64, units: &Units) -> bool {
         let Some(shape) = &mut self.shape else { return false };
         let position = self.rounding.position;
@@ -200,8 +201,8 @@ impl MeshBody {
         self.now.size
     }
 
-    /// The first and the last coordinate along an axis of cells in which links to it may begin. Along one on which it is
-    /// endless these are those of the domain, each once.
+    /// The first and the last coordinate along an axis of cells in which links to it may begin.
+    /// Along one on which it is endless these are those of the domain, each once.
     pub fn near(&self, axis: usize) -> [i32; 2] {
         let (first, count) = (self.now.origin[axis], self.now.size[axis]);
         let ring = i32::from(self.now.period[axis] == 0);
@@ -221,7 +222,8 @@ impl MeshBody {
         self.known[0].map_or(0, |(_, search)| search)
     }
 
-    /// Finds the cells inside where it was placed; along faces that do not wrap around it is cut off.
+    /// Finds the cells inside where it was placed; along faces that do not wrap around it is cut
+    /// off.
     pub fn cover(&mut self, grid: &Grid, team: &mut Team) {
         let Some(placed) = self.found else { return };
         std::mem::swap(&mut self.now, &mut self.previous);
@@ -318,8 +320,8 @@ impl MeshBody {
         self.now.row(y, z).is_some()
     }
 
-    /// Calls `visit` with begin and direction of links between cells outside that it may cut, see [`Ridges::each_link`].
-    /// Cells that `skip` has are left out.
+    /// Calls `visit` with begin and direction of links between cells outside that it may cut, see
+    /// [`Ridges::each_link`]. Cells that `skip` has are left out.
     pub fn each_cut(
         &self,
         layers: RangeInclusive<i32>,
@@ -331,7 +333,8 @@ impl MeshBody {
         }
     }
 
-    /// A cell's coordinates where its surface has been made: in the domain along axes on which it is endless.
+    /// A cell's coordinates where its surface has been made: in the domain along axes on which it
+    /// is endless.
     #[inline(always)]
     fn own(&self, at: [i32; 3]) -> [i32; 3] {
         std::array::from_fn(|a| self.now.own(a, at[a]))
@@ -350,8 +353,8 @@ impl MeshBody {
         self.frame.turn_to_world(self.surface.closest(point).normal).into()
     }
 
-    /// The way from the centre of a cell to the nearest point of its surface, if it is no longer than
-    /// `reach`.
+    /// The way from the centre of a cell to the nearest point of its surface, if it is no longer
+    /// than `reach`.
     pub fn nearest(&self, grid: &Grid, at: [i32; 3], reach: f64) -> Option<[f64; 3]> {
         let arm = grid.arm(self.found?.position, at).map(|x| x * self.cell);
         let point = self.frame.turn_to_part(arm);

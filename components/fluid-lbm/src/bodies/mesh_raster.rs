@@ -2,8 +2,9 @@
 
 use tremie_geometry::RowScratch;
 
-/// Cells of a box of cells, which may reach beyond periodic faces, in layers along z. Along an axis on which the part is
-/// endless they are those of the domain, and coordinates beyond its faces mean the cells that stand there.
+/// Cells of a box of cells, which may reach beyond periodic faces, in layers along z. Along an axis
+/// on which the part is endless they are those of the domain, and coordinates beyond its faces mean
+/// the cells that stand there.
 #[derive(Clone, Debug)]
 pub struct Cover {
     pub origin: [i32; 3],

@@ -1,8 +1,9 @@
 //! The cells around a sphere, row by row: which of them are stored, and their numbers.
 //!
-//! Links of a sphere begin and end here. A row is a word with a bit for each cell, so that a shift and a few
-//! bit operations find all links of a direction in it. It is read from the lattice's tables when the sphere's first
-//! cell is another one; which cells are covered is noted when that has changed.
+//! Links of a sphere begin and end here. A row is a word with a bit for each cell, so that a shift
+//! and a few bit operations find all links of a direction in it. It is read from the lattice's
+//! tables when the sphere's first cell is another one; which cells are covered is noted when that
+//! has changed.
 
 use crate::bodies::sphere_raster::{RowSpans, Span};
 use crate::lattice::d3q19::C;
@@ -62,8 +63,8 @@ pub struct NearCells {
     windows: Vec<Window>,
     /// Rows along y, then along z, then windows.
     rows: Vec<Stored>,
-    /// Those cells of each row that are stored and covered, as [`Stored::ends`] has them; with a row more on either
-    /// side, which mirrors may fill.
+    /// Those cells of each row that are stored and covered, as [`Stored::ends`] has them; with a
+    /// row more on either side, which mirrors may fill.
     covered: Vec<u64>,
     near: Vec<Near>,
     /// Number of times that covered cells were noted.
@@ -182,8 +183,8 @@ impl NearCells {
         self.windows[window as usize]
     }
 
-    /// Those cells of the nine rows around a row that are stored and covered, as [`Stored::ends`] has them; the row
-    /// itself is in their middle, y runs fastest.
+    /// Those cells of the nine rows around a row that are stored and covered, as [`Stored::ends`]
+    /// has them; the row itself is in their middle, y runs fastest.
     #[inline(always)]
     pub fn around(&self, near: &Near) -> [u64; 9] {
         let Near { window, row: [j, k], .. } = *near;

@@ -1,15 +1,16 @@
 //! Places where links between two cells outside a body may pass through it: sharp edges, and walls
 //! thinner than a link.
 //!
-//! Beside a sharp edge a link is inside where it is behind both of the faces that meet there. So a few products tell
-//! which links may be cut; the surface itself decides (see `cut_links`). Lengths in cells, but in the surface's frame.
+//! Beside a sharp edge a link is inside where it is behind both of the faces that meet there. So a
+//! few products tell which links may be cut; the surface itself decides (see `cut_links`). Lengths
+//! in cells, but in the surface's frame.
 
 use crate::lattice::d3q19::{C, C_F64, Q, dot};
 use std::ops::RangeInclusive;
 use tremie_geometry::{EdgeKind, Frame, Surface, Vec3};
 
-/// Faces whose normals have a larger cosine make an edge that no link is cut by far enough to matter: at 14 degrees
-/// not a tenth of a cell deep.
+/// Faces whose normals have a larger cosine make an edge that no link is cut by far enough to
+/// matter: at 14 degrees not a tenth of a cell deep.
 const BLUNT: f64 = 0.97;
 /// Longest link.
 const LONGEST: f64 = std::f64::consts::SQRT_2;
@@ -17,7 +18,8 @@ const LONGEST: f64 = std::f64::consts::SQRT_2;
 const SPACING: f64 = 0.75;
 /// Most places along one side of a triangle where it is asked.
 const MOST_PLACES: usize = 256;
-/// Triangles up to which all heights of a convex surface are looked at to see that it is thin nowhere.
+/// Triangles up to which all heights of a convex surface are looked at to see that it is thin
+/// nowhere.
 const FEW: usize = 2000;
 
 /// A sharp edge, in the surface's frame [m].
@@ -99,8 +101,8 @@ impl Ridges {
         }
     }
 
-    /// Calls `visit` with begin and direction of links that begin in the layers `layers` and may be cut, some more than
-    /// once; of the two ways along a link one.
+    /// Calls `visit` with begin and direction of links that begin in the layers `layers` and may be
+    /// cut, some more than once; of the two ways along a link one.
     pub fn each_link(
         &self,
         frame: &Frame,

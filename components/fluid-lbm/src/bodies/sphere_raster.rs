@@ -82,11 +82,12 @@ pub struct RowSpans {
     slack: f64,
 }
 
-/// Slack of a sphere at most: a row beyond [`RowSpans::side`] is half a cell away from it, and more.
+/// Slack of a sphere at most: a row beyond [`RowSpans::side`] is half a cell away from it, and
+/// more.
 const MOST_SLACK: f64 = 0.4;
 
-/// By how much the squared distance of a cell to the centre of a sphere differs from the squared radius: the least
-/// of those inside, and of those outside.
+/// By how much the squared distance of a cell to the centre of a sphere differs from the squared
+/// radius: the least of those inside, and of those outside.
 #[derive(Clone, Copy)]
 struct Margins {
     inside: f64,
@@ -105,7 +106,8 @@ impl Margins {
         }
     }
 
-    /// The least distance from a cell to the surface, or [`MOST_SLACK`]; less what rounding may make of it.
+    /// The least distance from a cell to the surface, or [`MOST_SLACK`]; less what rounding may
+    /// make of it.
     fn slack(self, radius: f64) -> f64 {
         // |d| - r is the difference of the squares over |d| + r.
         let inside = self.inside / (2.0 * radius);
@@ -200,7 +202,8 @@ impl RowSpans {
     }
 }
 
-/// Cells of the row `(y, z)` inside the sphere, cut off at walls; notes those on either side of its surface.
+/// Cells of the row `(y, z)` inside the sphere, cut off at walls; notes those on either side of its
+/// surface.
 fn span_of(
     grid: &Grid,
     centre: [f64; 3],

@@ -33,7 +33,8 @@ pub struct Boundaries {
     halfway: bool,
     /// Least wall distance of curved walls [links], see [`nearest_wall`].
     nearest: f64,
-    /// The scene's faces, `2 axis + side`, and the scheme of those that prescribe velocity or pressure.
+    /// The scene's faces, `2 axis + side`, and the scheme of those that prescribe velocity or
+    /// pressure.
     faces: Vec<Face>,
     scheme: OpenFaces,
     units: Units,

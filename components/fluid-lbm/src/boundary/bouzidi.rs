@@ -1,13 +1,14 @@
-//! Linear interpolation of a link that meets a wall at `x_f + q c_i` (Bouzidi, Firdaouss & Lallemand 2001; of a wall that moves
-//! with velocity `u_w`, with `rho` at `x_f`: Lallemand & Luo 2003):
+//! Linear interpolation of a link that meets a wall at `x_f + q c_i` (Bouzidi, Firdaouss &
+//! Lallemand 2001; of a wall that moves with velocity `u_w`, with `rho` at `x_f`: Lallemand & Luo
+//! 2003):
 //!
 //! ```text
 //! q < 1/2 :  f_i'(x_f) = 2q g_i(x_f) + (1-2q) g_i(x_f - c_i)               - 6 w_i rho (c_i.u_w)
 //! q >= 1/2:  f_i'(x_f) = g_i(x_f)/(2q) + (2q-1)/(2q) g_i'(x_f)             - 3 (w_i/q) rho (c_i.u_w)
 //! ```
 //!
-//! One home for bodies, edges of bodies, and static walls. Where the other population is none of the fluid the wall is taken
-//! half-way: `f_i' = g_i - 6 w_i rho (c_i.u_w)`.
+//! One home for bodies, edges of bodies, and static walls. Where the other population is none of
+//! the fluid the wall is taken half-way: `f_i' = g_i - 6 w_i rho (c_i.u_w)`.
 
 /// Coefficients of a link that meets the wall at `q`.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +34,8 @@ impl Bouzidi {
         }
     }
 
-    /// Population that comes back, from `g_i`, the other population, and `push = 6 w_i rho (c_i.u_w)`.
+    /// Population that comes back, from `g_i`, the other population, and `push = 6 w_i rho
+    /// (c_i.u_w)`.
     #[inline(always)]
     pub fn reflect(self, g: f64, other: f64, push: f64) -> f64 {
         self.own * g + self.other * other - self.push * push

@@ -1,29 +1,34 @@
-//! Convective outflow: what arrives at a face is carried out through it with the mean velocity `U` there.
+//! Convective outflow: what arrives at a face is carried out through it with the mean velocity `U`
+//! there.
 //!
 //! ```text
 //! df_i/dt + U df_i/dn = 0        n out of the fluid                                  (Orlanski 1976; Sommerfeld's condition)
 //! f_i(x_B, t+1) = [f_i(x_B, t) + U f_i(x_I, t+1)] / (1 + U)        for all i         (Lou, Guo & Shi 2013)
 //! ```
 //!
-//! `x_B` is a cell at the face, `x_I` the next one inside; `U` is the mean over the face's fluid cells of the velocity of `x_I`
-//! out of the fluid, at least 0: a face through which fluid enters as a whole keeps what it has. Derivatives are those of
-//! the lattice, one-sided and implicit, so that any `U` is stable.
+//! `x_B` is a cell at the face, `x_I` the next one inside; `U` is the mean over the face's fluid
+//! cells of the velocity of `x_I` out of the fluid, at least 0: a face through which fluid enters
+//! as a whole keeps what it has. Derivatives are those of the lattice, one-sided and implicit, so
+//! that any `U` is stable.
 //!
-//! Nothing in this holds the level of the pressure. So the mean density over the face is drawn to the given one, as fast as
-//! at an absorbing face (see `open_boundary`), by an equilibrium at rest, which carries no momentum:
+//! Nothing in this holds the level of the pressure. So the mean density over the face is drawn to
+//! the given one, as fast as at an absorbing face (see `open_boundary`), by an equilibrium at rest,
+//! which carries no momentum:
 //!
 //! ```text
 //! f_i(x_B) += w_i r (drho_given + b - <drho carried>)          <>: mean over the face
 //! b        += r/4 (drho_given - <drho(x_B, t)>)                r = s c_s/L, s = 1/4, L: the domain's length
 //! ```
 //!
-//! `b` makes up for the gradient of the pressure, which the first equation flattens; with a quarter of the rate the level
-//! does not swing (critical damping).
+//! `b` makes up for the gradient of the pressure, which the first equation flattens; with a quarter
+//! of the rate the level does not swing (critical damping).
 //!
-//! A vortex, or the wake of a body, leaves without the pressure that a constant density at the face would throw back.
-//! Sound is faster than `U` and meets a face that stands almost still: of a pulse a quarter comes back, at a pressure face all.
+//! A vortex, or the wake of a body, leaves without the pressure that a constant density at the face
+//! would throw back. Sound is faster than `U` and meets a face that stands almost still: of a pulse
+//! a quarter comes back, at a pressure face all.
 //!
-//! Mass that passes is what the populations say: the balance closes to rounding, and no cell is held to a flow.
+//! Mass that passes is what the populations say: the balance closes to rounding, and no cell is
+//! held to a flow.
 
 use crate::boundary::face_scheme::{
     FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
@@ -67,7 +72,8 @@ struct OutflowSums {
     cells: f64,
     /// Velocity out of the fluid of the next cells inside.
     outward: f64,
-    /// Density minus 1 of the next cells inside, and of the cells themselves at the beginning of the step.
+    /// Density minus 1 of the next cells inside, and of the cells themselves at the beginning of
+    /// the step.
     inner: f64,
     own: f64,
 }

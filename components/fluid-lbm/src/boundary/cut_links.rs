@@ -1,4 +1,5 @@
-//! Links between two cells of the fluid that pass through a body: sharp edges and thin walls cut them.
+//! Links between two cells of the fluid that pass through a body: sharp edges and thin walls cut
+//! them.
 //!
 //! Neither end is in the body, so no search for links into it finds them (see `ridges` for those
 //! that may be). A wall stands at both ends, each with a distance of its own, and both are
@@ -6,20 +7,22 @@
 //! place from which the other reads (see `aa_pattern`): so all such links are read before any link
 //! is reflected, and written after all. Where two bodies cut the same link, the first has it.
 //!
-//! A rigid body displaces nothing along such a link: its velocity along the link is the same at both ends, and what one side
-//! of it leaves the other takes. But interpolation makes or takes mass at each end, by `(2q - 1) w_i` times what the
-//! population changes by along the link, and beside an edge that is most, for the fluid is fastest there. So what both ends got
-//! together is taken from them again, half from each:
+//! A rigid body displaces nothing along such a link: its velocity along the link is the same at
+//! both ends, and what one side of it leaves the other takes. But interpolation makes or takes mass
+//! at each end, by `(2q - 1) w_i` times what the population changes by along the link, and beside
+//! an edge that is most, for the fluid is fastest there. So what both ends got together is taken
+//! from them again, half from each:
 //!
 //! ```text
 //! f_i'(x)       -= m/2        m = f_i'(x) - g_i(x) + f_i(x + c_i) - g_i'(x + c_i)
 //! f_i(x + c_i)  -= m/2
 //! ```
 //!
-//! The force on the body, in which they count with opposite signs, stays the same, and so does a cube's Stokes drag to 3e-4.
-//! (Of solids at rest: `sheet_links`.)
+//! The force on the body, in which they count with opposite signs, stays the same, and so does a
+//! cube's Stokes drag to 3e-4. (Of solids at rest: `sheet_links`.)
 //!
-//! Of surfaces that deform they are not looked for. Diagnostics do not count them: there a link ends in a body.
+//! Of surfaces that deform they are not looked for. Diagnostics do not count them: there a link
+//! ends in a body.
 
 use crate::bodies::body::Body;
 use crate::bodies::body::late;
@@ -195,8 +198,8 @@ fn folded(grid: &Grid, mut at: [i32; 3]) -> ([i32; 3], u8) {
     (at, mirrors)
 }
 
-/// A link as the half of it that is simulated: where it begins beyond a mirror, its image. None where it begins beyond
-/// another face that ends the fluid.
+/// A link as the half of it that is simulated: where it begins beyond a mirror, its image. None
+/// where it begins beyond another face that ends the fluid.
 fn in_box(grid: &Grid, at: [i32; 3], i: usize) -> Option<([i32; 3], usize)> {
     let (at, mirrors) = folded(grid, at);
     let ends = (0..3).any(|a| !grid.periodic[a] && !(0..grid.n[a]).contains(&at[a]));
@@ -215,8 +218,8 @@ fn ends_of([one, other]: &[CutEnd; 2]) -> usize {
     if (one.slots.cell, one.dir) == (other.slots.cell, other.dir) { 1 } else { 2 }
 }
 
-/// Mass that each end of a cut link gives back of what both got, `f_i' - g_i`, so that together they lose nothing; of one end alone
-/// all of it.
+/// Mass that each end of a cut link gives back of what both got, `f_i' - g_i`, so that together
+/// they lose nothing; of one end alone all of it.
 pub fn share_of_both(got: [Option<f64>; 2]) -> f64 {
     got.iter().flatten().sum::<f64>() / got.iter().flatten().count().max(1) as f64
 }
@@ -278,7 +281,8 @@ impl<T: Real> PostCollision<'_, T> {
         Read { g, f: Bouzidi::at(q).reflect(g, other, push) }
     }
 
-    /// Writes the cut links of an item, after all links were reflected; returns what they exchanged.
+    /// Writes the cut links of an item, after all links were reflected; returns what they
+    /// exchanged.
     pub fn write_cuts(&self, body: &Body, cuts: &CutLinks) -> MomentumExchange {
         let mut exchange = MomentumExchange::default();
         let Some(part) = &body.part else { return exchange };
@@ -298,7 +302,8 @@ impl<T: Real> PostCollision<'_, T> {
                 let (wall, u) = end.wall(body, arm, q);
                 let c = C_F64[usize::from(end.dir)];
                 exchange.add_link(c, [read.g + f, f - read.g], u, wall);
-                // Cells on both sides being fluid, the mirror's account holds what it would have turned.
+                // Cells on both sides being fluid, the mirror's account holds what it would have
+                // turned.
                 let turned = |a: usize| if end.mirrors >> a & 1 == 1 { -2.0 * c[a] } else { 0.0 };
                 add_scaled(&mut exchange.unmirrored, std::array::from_fn(turned), read.g);
             }

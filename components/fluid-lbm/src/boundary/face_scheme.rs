@@ -1,6 +1,8 @@
-//! The seam of open faces: a scheme gives the cells at a face the populations that come from beyond it.
+//! The seam of open faces: a scheme gives the cells at a face the populations that come from beyond
+//! it.
 //!
-//! A scheme is asked once a step for a whole face, never for a cell. `face_schemes` says which face has which.
+//! A scheme is asked once a step for a whole face, never for a cell. `face_schemes` says which face
+//! has which.
 
 use crate::boundary::refill::PreCollision;
 use crate::boundary::wall_mass::Brought;
@@ -30,15 +32,15 @@ pub trait FaceScheme<T: Real>: Send {
         Ok(())
     }
 
-    /// Gives the cells that are fluid all populations that the next collision finds in them, by [`PostStreaming::replace`] or
-    /// as that does, and keeps what the fluid gained by it.
+    /// Gives the cells that are fluid all populations that the next collision finds in them, by
+    /// [`PostStreaming::replace`] or as that does, and keeps what the fluid gained by it.
     ///
     /// # Errors
     /// A state that ends the run.
     fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError>;
 
-    /// Calls `add` with momentum and mass that the fluid gained in the last step, in an order that does not depend on
-    /// threads.
+    /// Calls `add` with momentum and mass that the fluid gained in the last step, in an order that
+    /// does not depend on threads.
     fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64));
 
     /// Cells of a face that prescribes a pressure through which fluid entered in the last step.
@@ -80,7 +82,8 @@ pub struct PostStreaming<'a, T: Real> {
     pub density: f64,
     /// Values that the faces prescribe at the end of the step, `2 axis + side`.
     pub now: &'a [BoundaryValue],
-    /// Mass that links to walls brought to the cells of each face: it came through the face, which replaces it.
+    /// Mass that links to walls brought to the cells of each face: it came through the face, which
+    /// replaces it.
     pub brought: &'a [Brought; 6],
     /// Units of the lattice.
     pub units: &'a Units,
@@ -93,7 +96,8 @@ pub struct PostStreaming<'a, T: Real> {
 pub struct FaceCell {
     /// The cell.
     pub cell: u32,
-    /// The next cell inside, along the normals of all open faces at which the cell lies; [`NONE`] if that is solid.
+    /// The next cell inside, along the normals of all open faces at which the cell lies; [`NONE`]
+    /// if that is solid.
     pub inner: u32,
     /// Bits of the directions that come from beyond an open face.
     pub unknown: u32,
@@ -164,8 +168,8 @@ impl<T: Real> PostStreaming<'_, T> {
     }
 }
 
-/// Mass and momentum that fluid gains in a cell whose populations grow by `gain` from `old`, the `unknown` ones coming
-/// through an open face.
+/// Mass and momentum that fluid gains in a cell whose populations grow by `gain` from `old`, the
+/// `unknown` ones coming through an open face.
 #[inline(always)]
 pub fn gained(mut gain: [f64; Q], old: &[f64; Q], unknown: u32) -> (f64, [f64; 3]) {
     let (mass, _) = moments(&gain);

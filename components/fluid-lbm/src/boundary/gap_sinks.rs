@@ -1,11 +1,12 @@
 //! Intakes: the cells at which fluid that gaps draw in leaves the fluid.
 //!
-//! A gap that holds no fluid draws some in as it widens, and presses it out as it narrows. Pressure and flow belong
-//! together: what a gap does on the sound around is its pressure times what it draws in, and where the one is taken
-//! from another place than the other, a shut valve feeds some of that sound. So each probe that says a gap's pressure is
-//! an *intake*, and its share of what the gap draws in goes through the links of moving parts to which it is the nearest
-//! by way of the fluid: on its side of the gap. A gap without probes has none: its body pays for it all along
-//! its surface; and so it does where an intake has no links.
+//! A gap that holds no fluid draws some in as it widens, and presses it out as it narrows. Pressure
+//! and flow belong together: what a gap does on the sound around is its pressure times what it
+//! draws in, and where the one is taken from another place than the other, a shut valve feeds some
+//! of that sound. So each probe that says a gap's pressure is an *intake*, and its share of what
+//! the gap draws in goes through the links of moving parts to which it is the nearest by way of the
+//! fluid: on its side of the gap. A gap without probes has none: its body pays for it all along its
+//! surface; and so it does where an intake has no links.
 
 use crate::boundary::post_collision::LinkItem;
 use crate::boundary::wall_distances::WallDistances;
@@ -105,8 +106,8 @@ impl GapSinks {
         self.list.len()
     }
 
-    /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first, then through what
-    /// bodies cover there now and may leave later, then into the gaps.
+    /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first,
+    /// then through what bodies cover there now and may leave later, then into the gaps.
     pub fn look(&mut self, in_gap: &[u16], flags: &CellFlags, layout: &Layout) {
         if !self.nearest.is_empty() || self.list.is_empty() {
             return;
@@ -156,8 +157,8 @@ impl GapSinks {
         part
     }
 
-    /// Begins to settle a step: what the links of parts gave, these items, is due no more. Returns what nobody can
-    /// give, because the links of an intake have gone.
+    /// Begins to settle a step: what the links of parts gave, these items, is due no more. Returns
+    /// what nobody can give, because the links of an intake have gone.
     pub fn receive<'i>(&mut self, items: impl Iterator<Item = &'i LinkItem>) -> f64 {
         for intake in &mut self.list {
             intake.weight = 0.0;

@@ -1,7 +1,7 @@
 //! A batch of links of one body: geometry, populations, forces, each in one loop.
 //!
-//! See `post_collision` for the formulae. A link costs the numbers below, some 200 bytes that stay in the
-//! first-level cache, three places of the field, and the density, which the collision left.
+//! See `post_collision` for the formulae. A link costs the numbers below, some 200 bytes that stay
+//! in the first-level cache, three places of the field, and the density, which the collision left.
 
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
@@ -19,8 +19,8 @@ use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::{Real, prefetch};
 
-/// Links of a full batch: their cache lines, some three each, must fit in the first-level cache together
-/// with what is known of them.
+/// Links of a full batch: their cache lines, some three each, must fit in the first-level cache
+/// together with what is known of them.
 const LINKS: usize = 320;
 /// Links of a cell at most.
 const MOST: usize = Q - 1;
@@ -285,8 +285,8 @@ impl Batch {
     fn ask<T: Real>(&mut self, after: &PostCollision<T>, known: Known) {
         let parity = after.parity;
         for (k, slots) in known.slots.iter().enumerate() {
-            // A link that meets the body in its first half needs the population of the cell behind. Without a branch:
-            // in which half a link meets it cannot be foretold.
+            // A link that meets the body in its first half needs the population of the cell behind.
+            // Without a branch: in which half a link meets it cannot be foretold.
             let near = self.eights[k / LANES].q[k % LANES] < 0.5;
             let is_there = !near | slots.is_behind_fluid(after.flags);
             let other = slots.other(parity, near);

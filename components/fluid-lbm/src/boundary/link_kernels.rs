@@ -1,8 +1,8 @@
 //! Arithmetic of a batch of links, eight at a time: where they meet the body, what that means for
 //! populations, and sums. See `post_collision` for the formulae.
 //!
-//! Written once for plain arrays and compiled for each set of vector instructions; no operation here is
-//! fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
+//! Written once for plain arrays and compiled for each set of vector instructions; no operation
+//! here is fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
 
 use crate::bodies::body::late;
 use crate::boundary::bouzidi::Bouzidi;
@@ -91,7 +91,8 @@ pub struct Surface {
     pub spin: [f64; 3],
     /// By how much the velocity changes in a step, see [`late`].
     pub change: [f64; 3],
-    /// Walls nearer than this count as that near, see [`crate::boundary::post_collision::nearest_wall`].
+    /// Walls nearer than this count as that near, see
+    /// [`crate::boundary::post_collision::nearest_wall`].
     pub nearest: f64,
 }
 
@@ -200,7 +201,8 @@ fn meet_sphere(eight: &mut LinkBlock, r2: f64) {
     }
 }
 
-/// Adds what bodies pay to what their motion pushes, and up by how much their walls recede; see `mass_correction`.
+/// Adds what bodies pay to what their motion pushes, and up by how much their walls recede; see
+/// `mass_correction`.
 pub struct CorrectMass<'a> {
     /// Links that are located.
     pub links: &'a mut [LinkBlock],

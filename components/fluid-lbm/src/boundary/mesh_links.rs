@@ -54,7 +54,8 @@ pub struct PartLink {
     slope: [f32; 3],
 }
 
-/// The links of an item: those of the part's last search, and of the one before, to which it may come back.
+/// The links of an item: those of the part's last search, and of the one before, to which it may
+/// come back.
 #[derive(Clone, Debug, Default)]
 pub struct PartLinks {
     now: ListedMeshLinks,
@@ -109,7 +110,8 @@ pub struct LinkSearch<'a> {
     pub layout: &'a Layout,
     /// The static geometry, if gaps press.
     pub walls: Option<&'a WallDistances>,
-    /// The declared gap between a part of the scene and something that stands still, at a point as lattice coordinates.
+    /// The declared gap between a part of the scene and something that stands still, at a point as
+    /// lattice coordinates.
     pub gap_between: &'a (dyn Fn(usize, BoundaryId, [f64; 3]) -> Option<u16> + Sync),
     /// Cells of a line.
     pub line: usize,
@@ -300,9 +302,9 @@ impl PartLinks {
     }
 }
 
-/// Number of sides of a straight link along which something stands still, at its beginning and at its end.
-/// A part that moves along a wall pushes fluid with four of the five links of a flat face there, the
-/// fifth being the wall's; the straight one stands for it.
+/// Number of sides of a straight link along which something stands still, at its beginning and at
+/// its end. A part that moves along a wall pushes fluid with four of the five links of a flat face
+/// there, the fifth being the wall's; the straight one stands for it.
 fn rims(layout: &Layout, cell: u32, i: usize) -> u8 {
     if C[i].iter().map(|c| c.abs()).sum::<i32>() != 1 {
         return 0;
@@ -388,8 +390,8 @@ impl<T: Real> PostCollision<'_, T> {
         }
     }
 
-    /// Finds the gap links between a part and what holds the cell where links begin: another body, or
-    /// nobody if it is frozen.
+    /// Finds the gap links between a part and what holds the cell where links begin: another body,
+    /// or nobody if it is frozen.
     fn gaps_of_run(
         &self,
         (bodies, body, part): (&Bodies, &Body, &MeshBody),

@@ -1,7 +1,9 @@
-//! Non-equilibrium extrapolation at open faces, of eight cells at a time; see `open_boundary` for the formulae.
+//! Non-equilibrium extrapolation at open faces, of eight cells at a time; see `open_boundary` for
+//! the formulae.
 //!
-//! Written once for plain arrays and compiled for each set of vector instructions, as `link_kernels` is, with the operations of
-//! [`equilibria`] and [`moments`] in their order: every variant yields the same bits.
+//! Written once for plain arrays and compiled for each set of vector instructions, as
+//! `link_kernels` is, with the operations of [`equilibria`] and [`moments`] in their order: every
+//! variant yields the same bits.
 
 use crate::boundary::face_scheme::gained;
 use crate::boundary::link_kernels::{LANES, Lane};

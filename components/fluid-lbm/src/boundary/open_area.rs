@@ -22,8 +22,8 @@ pub struct OpenAreas {
 }
 
 impl OpenAreas {
-    /// Of cells, each with the axis across its face; `walls` are the links of all cells that meet something that stands
-    /// still, by cell.
+    /// Of cells, each with the axis across its face; `walls` are the links of all cells that meet
+    /// something that stands still, by cell.
     pub fn new(
         ground: &StaticGeometry,
         layout: &Layout,

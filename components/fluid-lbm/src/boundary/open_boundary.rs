@@ -13,8 +13,9 @@
 //! hold at the centre of `x_B`, half a cell inside the face. At a pressure face through which the
 //! fluid enters, `u_t = 0`; such cells are counted.
 //!
-//! An *absorbing* pressure face lets sound out. Of the two waves that meet there, the one that comes in
-//! is held to what the given pressure and the mean flow say, instead of the pressure itself:
+//! An *absorbing* pressure face lets sound out. Of the two waves that meet there, the one that
+//! comes in is held to what the given pressure and the mean flow say, instead of the pressure
+//! itself:
 //!
 //! ```text
 //! drho = (drho_I + drho_given)/2 + (v_I - v_mean)/(2 c_s)      v: velocity out of the fluid, of x_I
@@ -23,28 +24,31 @@
 //! ```
 //!
 //! So a wave of circular frequency `w` is thrown back by `1/sqrt(1 + (2 w L/(s c_s))^2)` (Rudy &
-//! Strikwerda 1980, Poinsot & Lele 1992; the formula from Selle, Nicoud & Poinsot 2004), the domain's
-//! longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` is each cell's
-//! own and starts with the flow. Such faces are NEE in either scheme.
+//! Strikwerda 1980, Poinsot & Lele 1992; the formula from Selle, Nicoud & Poinsot 2004), the
+//! domain's longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` is
+//! each cell's own and starts with the flow. Such faces are NEE in either scheme.
 //!
 //! # What a velocity face delivers
-//! Next to a wall, the links that would carry fluid along it are the wall's, and the layer between `x_B` and `x_I` passes
-//! less than the velocities at `x_B` say: of a uniform profile a sixth in each cell beside a wall, and more or less of that
-//! with the shear there, which no formula foretells. So the mass `m` that enters through the face, with what links to walls
-//! bring to its cells, is compared with the one that was asked for, and the velocities of the whole face take a factor `1 + e`:
+//! Next to a wall, the links that would carry fluid along it are the wall's, and the layer between
+//! `x_B` and `x_I` passes less than the velocities at `x_B` say: of a uniform profile a sixth in
+//! each cell beside a wall, and more or less of that with the shear there, which no formula
+//! foretells. So the mass `m` that enters through the face, with what links to walls bring to its
+//! cells, is compared with the one that was asked for, and the velocities of the whole face take a
+//! factor `1 + e`:
 //!
 //! ```text
 //! M  = <rho> u.n sum of (mean factor of the profile over a cell) (open area of the cell)
 //! e += r (M - m) M/M_max^2                                              r = 0.02
 //! ```
 //!
-//! `<rho>` is the mean density of the fluid: so the volume is right halfway between where the flow's pressure is highest
-//! and lowest, and faces that are to pass the same do. A wall of a part that crosses a cell within the face leaves it the
-//! area beside it (see `open_area`). (The rule is that of least mean squares, Widrow & Hoff 1960; it rests where the flow turns round.)
+//! `<rho>` is the mean density of the fluid: so the volume is right halfway between where the
+//! flow's pressure is highest and lowest, and faces that are to pass the same do. A wall of a part
+//! that crosses a cell within the face leaves it the area beside it (see `open_area`). (The rule is
+//! that of least mean squares, Widrow & Hoff 1960; it rests where the flow turns round.)
 //!
-//! Cells at two open faces belong to the one of the first axis (of the world) and look along both normals. Where a
-//! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
-//! faces, NEBB would lack equations and NEE takes its place.
+//! Cells at two open faces belong to the one of the first axis (of the world) and look along both
+//! normals. Where a link leaves through a wall and an open face at once, it belongs to the wall;
+//! there, and at two open faces, NEBB would lack equations and NEE takes its place.
 
 use crate::boundary::face_scheme::{FaceCell, FaceScheme, Gain, PostStreaming, items_of};
 use crate::boundary::link_kernels::{LANES, Lane};
@@ -65,8 +69,8 @@ use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::Profile;
 use tremie_team::Team;
 
-/// Part of the way that the mean velocity at an absorbing face goes in the time in which sound crosses
-/// the domain.
+/// Part of the way that the mean velocity at an absorbing face goes in the time in which sound
+/// crosses the domain.
 const RELAX: f64 = 0.25;
 
 /// Part of the difference of mass by which the velocities of a face change in a step.
@@ -102,7 +106,8 @@ pub struct OpenFace {
     steering: Steering,
 }
 
-/// By how much the velocities of a face are larger than given, so that it delivers what is asked for.
+/// By how much the velocities of a face are larger than given, so that it delivers what is asked
+/// for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Steering {
     /// As a part of them.
@@ -147,7 +152,8 @@ impl Waiting {
 }
 
 impl OpenFace {
-    /// A face, `2 axis + side`, by a scheme; of these cells, of which `areas` says how much is open.
+    /// A face, `2 axis + side`, by a scheme; of these cells, of which `areas` says how much is
+    /// open.
     pub fn new(
         layout: &Layout,
         face: usize,
@@ -187,8 +193,9 @@ impl OpenFace {
         Self { relax: relaxation(length), ..self }
     }
 
-    /// Compares what entered through a face with a velocity in a step, and what links brought to its cells, with what was to, in
-    /// a fluid of a mean density. Sums are in the order of the items.
+    /// Compares what entered through a face with a velocity in a step, and what links brought to
+    /// its cells, with what was to, in a fluid of a mean density. Sums are in the order of the
+    /// items.
     fn steer<T: Real>(&mut self, next: &PostStreaming<T>) {
         let BoundaryValue::Wall(velocity) = next.now[self.face] else { return };
         let inward = velocity[self.face / 2] * [1.0, -1.0][self.face % 2];
@@ -235,14 +242,14 @@ impl<T: Real> FaceScheme<T> for OpenFace {
     }
 }
 
-/// The part of a difference from what is given that an open face makes up for in a step, so that sound passes and the
-/// mean is held: in a domain of so many cells along the face's axis.
+/// The part of a difference from what is given that an open face makes up for in a step, so that
+/// sound passes and the mean is held: in a domain of so many cells along the face's axis.
 pub fn relaxation(length: i32) -> f64 {
     RELAX * CS2.sqrt() / f64::from(length)
 }
 
-/// The product of `4 s (1 - s)` over the face's edges that do not wrap around, at the centre of a cell and its mean over
-/// the cell.
+/// The product of `4 s (1 - s)` over the face's edges that do not wrap around, at the centre of a
+/// cell and its mean over the cell.
 fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> [f64; 2] {
     let mut factors = [1.0; 2];
     for a in (0..3).filter(|&a| a != axis && !grid.periodic[a]) {
@@ -381,8 +388,8 @@ impl<T: Real> FaceView<'_, T> {
         std::array::from_fn(|a| if a == axis { u[a] } else { 0.0 })
     }
 
-    /// Density, less 1, and velocity at an absorbing face with density `given`, from those of the next
-    /// cell inside.
+    /// Density, less 1, and velocity at an absorbing face with density `given`, from those of the
+    /// next cell inside.
     fn absorb(&self, mean: &mut f64, given: f64, drho: f64, u: [f64; 3]) -> (f64, [f64; 3]) {
         let (axis, outward) = (self.inward.axis, -f64::from(self.inward.sign));
         let (v, sound) = (u[axis] * outward, CS2.sqrt());
@@ -397,7 +404,8 @@ impl<T: Real> FaceView<'_, T> {
         (here, velocity)
     }
 
-    /// Density, less 1, and velocity at a cell, the given number of its item, from those of the next inside.
+    /// Density, less 1, and velocity at a cell, the given number of its item, from those of the
+    /// next inside.
     fn prescribed(
         &self,
         open: &OpenCell,

@@ -1,8 +1,8 @@
 //! Links between fluid and bodies: reflection at a moving curved wall, and the force that it takes.
 //!
 //! A link runs from the fluid cell `x_f` along `c_i` into a body and meets its surface at `x_f + q
-//! c_i`. The reflected population is interpolated linearly (see `bouzidi`), `i'` being the opposite direction, `u_w` the
-//! surface's velocity there.
+//! c_i`. The reflected population is interpolated linearly (see `bouzidi`), `i'` being the opposite
+//! direction, `u_w` the surface's velocity there.
 //!
 //! If `x_f - c_i` is not fluid and `q < 1/2`, the wall is taken half-way (`q = 1/2`). If several
 //! bodies hold the link's end, the one with the smallest `q` has it. A link that ends beyond a face
@@ -12,11 +12,11 @@
 //! f_i' (c_i' - u_w)`, in deviations from the fluid at rest, so that it counts gauge pressure.
 //!
 //! # Order of work
-//! Links are listed and used until what they depend on changes: those of a sphere are found in words of bits, row by
-//! row (see `sphere_links`, `near_cells`), those of parts as `mesh_links` says. They are done in batches: one loop does
-//! the geometry of the whole batch, one asks memory for places, one reads and writes populations, one
-//! adds up forces. Loops over a batch have no branches where vectors can do them. Sums run in eight lanes that are
-//! added in order.
+//! Links are listed and used until what they depend on changes: those of a sphere are found in
+//! words of bits, row by row (see `sphere_links`, `near_cells`), those of parts as `mesh_links`
+//! says. They are done in batches: one loop does the geometry of the whole batch, one asks memory
+//! for places, one reads and writes populations, one adds up forces. Loops over a batch have no
+//! branches where vectors can do them. Sums run in eight lanes that are added in order.
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
@@ -37,8 +37,8 @@ use tremie_team::Variant;
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
 
-/// Layers of a body's links. The cut into items depends on the body's size alone, and what items exchanged is added up
-/// in their order.
+/// Layers of a body's links. The cut into items depends on the body's size alone, and what items
+/// exchanged is added up in their order.
 #[derive(Clone, Debug)]
 pub struct LinkItem {
     /// Place of the body among the living.
@@ -212,13 +212,14 @@ impl<T: Real> PostCollision<'_, T> {
     }
 }
 
-/// As part of a link, how near a wall may be to the cell where the link begins; one that is nearer counts as
-/// that near.
+/// As part of a link, how near a wall may be to the cell where the link begins; one that is nearer
+/// counts as that near.
 ///
-/// Interpolation to a wall that nearly touches the last cell amplifies waves between it and a wall across: with
-/// BGK below a relaxation time of some 0.514 at a fiftieth of a link, of 0.507 at a tenth. At less than a fifth
-/// nothing grows at any relaxation time. So the bound falls from a fifth at 1/2 to nothing at 0.52. Parts that move
-/// stay where they are: a valve that stands where a layer of cells opens would hunt for the step in its flow.
+/// Interpolation to a wall that nearly touches the last cell amplifies waves between it and a wall
+/// across: with BGK below a relaxation time of some 0.514 at a fiftieth of a link, of 0.507 at a
+/// tenth. At less than a fifth nothing grows at any relaxation time. So the bound falls from a
+/// fifth at 1/2 to nothing at 0.52. Parts that move stay where they are: a valve that stands where
+/// a layer of cells opens would hunt for the step in its flow.
 pub fn nearest_wall(tau: f64) -> f64 {
     0.2 * (1.0 - (tau - 0.5) / 0.02).clamp(0.0, 1.0)
 }

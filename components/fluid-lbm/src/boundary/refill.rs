@@ -97,8 +97,8 @@ impl<T: Real> PreCollision<'_, T> {
         std::array::from_fn(|lane| Content { drho: drho[lane], j: j.map(|j| j[lane]) })
     }
 
-    /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density `1 +
-    /// alone` if there are none near. Returns what the cell now holds.
+    /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density
+    /// `1 + alone` if there are none near. Returns what the cell now holds.
     pub fn refill(&self, flags: &CellFlags, cell: u32, body: &Body, alone: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
         // Inside a body that was removed fluid is as far away as its surface.

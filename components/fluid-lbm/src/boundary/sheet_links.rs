@@ -1,14 +1,16 @@
 //! Links between two cells of the fluid that sharp edges and thin walls of solids at rest cut.
 //!
-//! `static_wall_links` reflects each end by itself, as any link at a wall. But what interpolation makes or takes at the one end, it mostly does at
-//! the other, and beside an edge that is most (see `cut_links`, of solids that move). A rigid solid displaces nothing along
-//! such a link. So what both ends got together is taken from them again, half from each, as `cut_links` says.
+//! `static_wall_links` reflects each end by itself, as any link at a wall. But what interpolation
+//! makes or takes at the one end, it mostly does at the other, and beside an edge that is most (see
+//! `cut_links`, of solids that move). A rigid solid displaces nothing along such a link. So what
+//! both ends got together is taken from them again, half from each, as `cut_links` says.
 //!
 //! Force and torque on the solid stay the same. Such links keep the mass, so patches of wall
 //! (`wall_mass`) hold none of them. If a body covers one end, the other keeps its mass by itself:
 //! it is reflected half-way.
 //!
-//! Not those that end at an open face, which replaces what its cells hold, nor those at what prescribes a pressure.
+//! Not those that end at an open face, which replaces what its cells hold, nor those at what
+//! prescribes a pressure.
 
 use crate::boundary::cut_links::share_of_both;
 use crate::boundary::post_collision::PostCollision;
@@ -53,7 +55,8 @@ pub struct SheetItem {
 }
 
 impl SheetLinks {
-    /// Of blocked links in the order of cells, with `q` of each; `law_of` says what a fixture prescribes.
+    /// Of blocked links in the order of cells, with `q` of each; `law_of` says what a fixture
+    /// prescribes.
     pub fn new(
         layout: &Layout,
         blocked: &[(Blocked, f64)],

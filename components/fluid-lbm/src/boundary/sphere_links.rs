@@ -1,9 +1,10 @@
 //! Links of a sphere: found when cells around it change hands, used until then.
 //!
-//! A sphere in slow motion covers the same cells for many steps, and only where its surface cuts a link changes. So
-//! the links of an item are listed with what stays: the cell and the direction, and where populations are. A
-//! list holds as long as the sphere covers the same cells, the same ones around it are fluid, and it shares none with
-//! another body; the second is asked of the bricks around it, and row by row in words of bits where one has changed.
+//! A sphere in slow motion covers the same cells for many steps, and only where its surface cuts a
+//! link changes. So the links of an item are listed with what stays: the cell and the direction,
+//! and where populations are. A list holds as long as the sphere covers the same cells, the same
+//! ones around it are fluid, and it shares none with another body; the second is asked of the
+//! bricks around it, and row by row in words of bits where one has changed.
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
@@ -37,7 +38,8 @@ pub struct SphereLinks {
     fit: u64,
     /// True if they were found while the sphere shared cells.
     shares: bool,
-    /// The bricks in which cells near the sphere are, and the last step of which it is known that the same are fluid.
+    /// The bricks in which cells near the sphere are, and the last step of which it is known that
+    /// the same are fluid.
     bricks: Vec<u32>,
     seen: u64,
     /// Bits of the fluid cells in each row near the sphere, also in some more layers.
@@ -56,10 +58,11 @@ pub struct SphereLinks {
 }
 
 impl SphereLinks {
-    /// Room for the links of `layers` layers of a sphere's shell of `side` rows, and for gap links if gaps press.
+    /// Room for the links of `layers` layers of a sphere's shell of `side` rows, and for gap links
+    /// if gaps press.
     pub fn with_room(radius: f64, layers: i32, side: i32, gaps_press: bool) -> Self {
-        // A direction's links cross the sphere's section, those of two axes 2^1/2 times as many: 24 r^2 pi in all,
-        // and as many in each layer. Small spheres vary.
+        // A direction's links cross the sphere's section, those of two axes 2^1/2 times as many: 24
+        // r^2 pi in all, and as many in each layer. Small spheres vary.
         let section = std::f64::consts::PI * (radius + 1.0).powi(2);
         let part = (f64::from(layers + 2) / (2.0 * radius)).min(1.0);
         let links = (24.0 * section * part) as usize + 64;
@@ -186,8 +189,8 @@ impl<T: Real> PostCollision<'_, T> {
         }
     }
 
-    /// Finds the links that begin in the `fluid` ones of [`CHUNK`] cells of a row. `number` is that of the first of
-    /// them that is stored.
+    /// Finds the links that begin in the `fluid` ones of [`CHUNK`] cells of a row. `number` is that
+    /// of the first of them that is stored.
     fn find_chunk(
         &self,
         row: &Row,
@@ -246,7 +249,8 @@ impl<T: Real> PostCollision<'_, T> {
         })
     }
 
-    /// Lists what may be gap links of those that begin in the cells of a row whose bits are set in `solid`.
+    /// Lists what may be gap links of those that begin in the cells of a row whose bits are set in
+    /// `solid`.
     fn find_gaps(&self, row: &Row, walls: &WallDistances, solid: u64, links: &mut SphereLinks) {
         let grid = &self.layout.grid;
         for i in 1..Q {
@@ -336,7 +340,8 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The cells from which a link of a direction ends inside without meeting a mirror along y or z.
+    /// The cells from which a link of a direction ends inside without meeting a mirror along y or
+    /// z.
     fn gaps(&self, i: usize) -> u64 {
         if self.mirrors[NearCells::to(i)] == 0 { self.into[i] } else { 0 }
     }
@@ -364,8 +369,9 @@ mod tests {
         }
     }
 
-    /// Spheres that drift slowly: through a periodic face, through each other, along a wall and a mirror, one so large
-    /// that it has several items and windows; one leaves, and its place is taken. Every bit of the loads.
+    /// Spheres that drift slowly: through a periodic face, through each other, along a wall and a
+    /// mirror, one so large that it has several items and windows; one leaves, and its place is
+    /// taken. Every bit of the loads.
     fn loads(forgetful: bool) -> (Vec<u64>, usize) {
         let sides = |face: Face| [face.clone(), face];
         let faces = [sides(Face::Periodic), [Face::WALL, Face::Symmetry], sides(Face::Periodic)];

@@ -1,8 +1,9 @@
 //! Links at things that stand still, where reflection half-way alone does not do: curved walls,
-//! walls that slide along themselves, regions that prescribe velocity or pressure. (Half-way reflection: see `halfway_bounce_back`.)
+//! walls that slide along themselves, regions that prescribe velocity or pressure. (Half-way
+//! reflection: see `halfway_bounce_back`.)
 //!
-//! With `g` the populations after the collision, `i'` opposite to `i`, the link `i` leaving `x_f` and
-//! meeting the surface at `x_f + q c_i`:
+//! With `g` the populations after the collision, `i'` opposite to `i`, the link `i` leaving `x_f`
+//! and meeting the surface at `x_f + q c_i`:
 //!
 //! ```text
 //! wall      f_i'(x_f) as in `bouzidi`, with the wall's velocity (Bouzidi et al. 2001)
@@ -13,10 +14,11 @@
 //! that prescribes a velocity is a wall that has it. The force on the part is that of the
 //! populations exchanged, `g_i c_i - f_i' c_i'`, in deviations from rest.
 //!
-//! A face that slides along itself pushes into a cell what it takes from it, link by link in opposite pairs. Where it ends at another
-//! wall a pair lacks one link: mass enters at one edge and leaves at the other, as it does in the half cell along the face, which drags it from edge
-//! to edge. But the density differs from edge to edge, and so would the mass. So it enters and leaves at the fluid's mean density
-//! `rho_m`; the difference is taken from the cell's population at rest:
+//! A face that slides along itself pushes into a cell what it takes from it, link by link in
+//! opposite pairs. Where it ends at another wall a pair lacks one link: mass enters at one edge and
+//! leaves at the other, as it does in the half cell along the face, which drags it from edge to
+//! edge. But the density differs from edge to edge, and so would the mass. So it enters and leaves
+//! at the fluid's mean density `rho_m`; the difference is taken from the cell's population at rest:
 //!
 //! ```text
 //! f_0(x) -= sum over links to sliding faces (f_i' - g_i + 6 w_i rho_m (c_i.u))
@@ -47,7 +49,8 @@ const CELLS_PER_ITEM: usize = 1024;
 
 /// Bit of a link with `q < 1/2`: the other population is that of the cell behind.
 const NEAR: u8 = 1;
-/// Bit of a link that leads to another cell of the fluid, and keeps the mass with the one that comes from there (see `sheet_links`).
+/// Bit of a link that leads to another cell of the fluid, and keeps the mass with the one that
+/// comes from there (see `sheet_links`).
 const CUT: u8 = 2;
 
 /// A link. 12 bytes.
@@ -165,8 +168,9 @@ impl MetByCell<'_> {
 }
 
 impl StaticWallLinks {
-    /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls, and
-    /// `references` the point of each about which its torque counts; `sheets` are the ends of those that keep the mass in pairs, sorted.
+    /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are
+    /// solid walls, and `references` the point of each about which its torque counts; `sheets` are
+    /// the ends of those that keep the mass in pairs, sorted.
     pub fn new(
         layout: &Layout,
         references: &[[f64; 3]],

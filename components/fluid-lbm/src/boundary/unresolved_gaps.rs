@@ -16,13 +16,14 @@
 //! part that stands still feels the opposite of what the body feels; between two parts that stand
 //! still there are no gap links.
 //!
-//! Gaps that the scene declares have a pressure of their own, by rule, and their cells may be frozen: see
-//! `modelled`. A link into such a cell is a gap link as wide as a cell.
+//! Gaps that the scene declares have a pressure of their own, by rule, and their cells may be
+//! frozen: see `modelled`. A link into such a cell is a gap link as wide as a cell.
 //!
-//! Gap links between a moving part and what stands still are found with its other links, and follow its
-//! motion as they do (see `mesh_links`); the others are found in each step.
+//! Gap links between a moving part and what stands still are found with its other links, and follow
+//! its motion as they do (see `mesh_links`); the others are found in each step.
 //!
-//! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `unresolved_gaps`.
+//! The force is that of a fluid that is not simulated: the ledger lists it by itself, as
+//! `unresolved_gaps`.
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
@@ -177,7 +178,8 @@ impl Gap {
 }
 
 impl Gaps {
-    /// None, with room for those of an item, and for gaps that the scene declares and their intakes.
+    /// None, with room for those of an item, and for gaps that the scene declares and their
+    /// intakes.
     pub fn with_room(declared: usize, intakes: usize) -> Self {
         Self {
             list: Vec::with_capacity(ROOM),
@@ -195,8 +197,8 @@ impl Gaps {
         self.given.fill(Given::default());
     }
 
-    /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface at `q`,
-    /// there being `facet` if it can deform. Returns the gap.
+    /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface
+    /// at `q`, there being `facet` if it can deform. Returns the gap.
     pub fn add(
         &mut self,
         across: OtherSide,
@@ -234,8 +236,8 @@ impl Gaps {
 }
 
 impl<T: Real> PostCollision<'_, T> {
-    /// Finds the gap links between a body and what is in mirrors, and, for a sphere, the walls of the
-    /// domain.
+    /// Finds the gap links between a body and what is in mirrors, and, for a sphere, the walls of
+    /// the domain.
     pub fn gaps_at_faces(
         &self,
         bodies: &Bodies,
@@ -264,8 +266,8 @@ impl<T: Real> PostCollision<'_, T> {
         });
     }
 
-    /// Records the gap link `i` that leads from `at`, as seen from the body, into the body, if it is
-    /// one.
+    /// Records the gap link `i` that leads from `at`, as seen from the body, into the body, if it
+    /// is one.
     pub fn gap(
         &self,
         bodies: &Bodies,
@@ -280,8 +282,8 @@ impl<T: Real> PostCollision<'_, T> {
         }
     }
 
-    /// The same of a link of which it is known where it meets the body, if that is a part: after what part, and on which
-    /// facet.
+    /// The same of a link of which it is known where it meets the body, if that is a part: after
+    /// what part, and on which facet.
     pub fn gap_met(
         &self,
         (bodies, body): (&Bodies, &Body),
@@ -447,8 +449,8 @@ pub fn fixture(
     Some((OtherSide::fixture(met), distance))
 }
 
-/// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and the
-/// direction from it to that.
+/// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and
+/// the direction from it to that.
 pub fn each_beyond(
     grid: &Grid,
     body: &Body,

@@ -1,5 +1,6 @@
-//! Gap links between a moving part and what stands still: found with the part's other links, and used
-//! until it has moved by a step. See `unresolved_gaps` for what they are and `mesh_links` for how they follow.
+//! Gap links between a moving part and what stands still: found with the part's other links, and
+//! used until it has moved by a step. See `unresolved_gaps` for what they are and `mesh_links` for
+//! how they follow.
 
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::Hit;
@@ -74,8 +75,9 @@ impl<T: Real> PostCollision<'_, T> {
         gaps.add(OtherSide::declared(gap), link.arm, (link.seen.into(), link.q), facet);
     }
 
-    /// Records the gap links between a part and what stands still, and the volume by which the
-    /// part recedes from declared gaps, as far as it is not in contact: there is no fluid to draw in or to press out.
+    /// Records the gap links between a part and what stands still, and the volume by which the part
+    /// recedes from declared gaps, as far as it is not in contact: there is no fluid to draw in or
+    /// to press out.
     pub fn press_on(&self, body: &Body, part: &MeshBody, list: &GapLinks, gaps: &mut Gaps) {
         let mut first = 0;
         for (k, link) in list.links.iter().enumerate() {
@@ -108,8 +110,9 @@ impl<T: Real> PostCollision<'_, T> {
     }
 }
 
-/// The part of a step in which surfaces were apart that are now so far from each other, after they have come apart
-/// by `wider`: what goes into contact and comes out of it again has then drawn in as much as it has pressed out.
+/// The part of a step in which surfaces were apart that are now so far from each other, after they
+/// have come apart by `wider`: what goes into contact and comes out of it again has then drawn in
+/// as much as it has pressed out.
 fn part_apart(width: f64, wider: f64) -> f64 {
     let apart = |width: f64| (width - CONTACT).max(0.0);
     if wider == 0.0 {
@@ -136,8 +139,8 @@ impl LinkSearch<'_> {
         });
     }
 
-    /// Lists the gap link `i` that leads from `at` into a part, if it is one to something that stands
-    /// still; `facets` are those near `at`.
+    /// Lists the gap link `i` that leads from `at` into a part, if it is one to something that
+    /// stands still; `facets` are those near `at`.
     pub fn static_gap(
         &self,
         part: &MeshBody,

@@ -16,18 +16,21 @@
 //! f_i'     += 6 w_i pay                                          at each link of the patch
 //! ```
 //!
-//! The fluid's mass and what is owed are together constant to rounding. In a steady flow a patch pays in each step what its links
-//! take, and owes 500 times that. Sound does not feel it: paid at once, what fills and empties the volume at the wall would be taken from
-//! each wave, and between walls a few cells apart that kills the wave, or drives it. The smoothing keeps what is paid a quarter
-//! of a period behind what is owed, which neither damps nor drives. The account is critically damped.
+//! The fluid's mass and what is owed are together constant to rounding. In a steady flow a patch
+//! pays in each step what its links take, and owes 500 times that. Sound does not feel it: paid at
+//! once, what fills and empties the volume at the wall would be taken from each wave, and between
+//! walls a few cells apart that kills the wave, or drives it. The smoothing keeps what is paid a
+//! quarter of a period behind what is owed, which neither damps nor drives. The account is
+//! critically damped.
 //!
-//! A patch pays through its links as a wall does that breathes: on a closed surface the momentum of that is zero.
+//! A patch pays through its links as a wall does that breathes: on a closed surface the momentum of
+//! that is zero.
 //!
 //! Cells at open faces belong to no patch: the face replaces all that they hold (see
 //! `open_boundary`, `face`). The mass that links brought them counts as come through the face.
 //!
-//! Cubes are counted from the reference of the solid that a cell meets first: a part has the same patches wherever it stands, and half
-//! of one at a symmetry plane those of the whole.
+//! Cubes are counted from the reference of the solid that a cell meets first: a part has the same
+//! patches wherever it stands, and half of one at a symmetry plane those of the whole.
 
 use crate::boundary::static_wall_links::WallItem;
 use crate::lattice::cell_list::BoundaryId;
@@ -86,7 +89,8 @@ impl Patch {
     }
 }
 
-/// Mass that links brought to the cells at an open face in a step: those to solid walls, and those to other faces.
+/// Mass that links brought to the cells at an open face in a step: those to solid walls, and those
+/// to other faces.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Brought {
     /// From solid walls.
@@ -225,7 +229,8 @@ impl Patches {
 mod tests {
     use super::*;
 
-    /// A steady loss is paid as it arises after some thousand steps; the account neither swings nor grows.
+    /// A steady loss is paid as it arises after some thousand steps; the account neither swings nor
+    /// grows.
     #[test]
     fn a_steady_loss_is_paid() {
         let mut account = PatchAccount { weight: 3.0, ..PatchAccount::default() };
@@ -239,7 +244,8 @@ mod tests {
         assert!((account.owed / (1e-6 / RATE) - 1.0).abs() < 1e-6 && most < 1.2e-6 / RATE);
     }
 
-    /// Of what comes and goes within 50 steps less than 1e-4 is paid in phase, which would feed or damp it.
+    /// Of what comes and goes within 50 steps less than 1e-4 is paid in phase, which would feed or
+    /// damp it.
     #[test]
     fn sound_is_not_paid() {
         let mut account = PatchAccount { weight: 1.0, ..PatchAccount::default() };

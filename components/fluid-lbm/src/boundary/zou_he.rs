@@ -1,6 +1,7 @@
 //! Non-equilibrium bounce-back at open faces (Zou & He 1997; Hecht & Harting 2010).
 //!
-//! With sums over the directions along the face (0) and out of the fluid (-), `n` the normal into the fluid,
+//! With sums over the directions along the face (0) and out of the fluid (-), `n` the normal into
+//! the fluid,
 //!
 //! ```text
 //! NEBB  u.n = 1 - (S_0 + 2 S_-)/rho     (pressure)      rho = (S_0 + 2 S_-)/(1 - u.n)     (velocity)
@@ -25,8 +26,8 @@ impl Inward {
         Self { axis: face / 2, sign: [1, -1][face % 2] }
     }
 
-    /// `S_0 + 2 S_-` of populations as deviations from rest, less what it is at rest, which is 1: the density less the
-    /// momentum along the normal, whatever comes from beyond the face.
+    /// `S_0 + 2 S_-` of populations as deviations from rest, less what it is at rest, which is 1:
+    /// the density less the momentum along the normal, whatever comes from beyond the face.
     #[inline]
     pub fn known_sum(self, h: &[f64; Q]) -> f64 {
         let mut s = 0.0;
@@ -40,7 +41,8 @@ impl Inward {
         s
     }
 
-    /// Populations of a cell with a density, less 1, and a momentum over density `u`, from those that it has.
+    /// Populations of a cell with a density, less 1, and a momentum over density `u`, from those
+    /// that it has.
     pub fn zou_he(self, old: &[f64; Q], drho: f64, u: [f64; 3]) -> [f64; Q] {
         let rho = 1.0 + drho;
         let transverse: [f64; 3] = std::array::from_fn(|a| {

@@ -1,13 +1,13 @@
 //! Orientation of the lattice: the axes of the world along which its own lie.
 //!
-//! Cells are stored in rows along the lattice's first axis. A row that ends inside a line of the memory leaves that line in
-//! pieces, which costs several times what a whole line does. So the lattice is turned until few lines are in pieces: of a
-//! bore, until rows lie along its axis.
-//! [`crate::LbmFluid`] turns what it is given and turns back what it tells; nothing else knows of it. The turns
-//! are the three even ones, about the diagonal, which keep right hands right.
+//! Cells are stored in rows along the lattice's first axis. A row that ends inside a line of the
+//! memory leaves that line in pieces, which costs several times what a whole line does. So the
+//! lattice is turned until few lines are in pieces: of a bore, until rows lie along its axis.
+//! [`crate::LbmFluid`] turns what it is given and turns back what it tells; nothing else knows of
+//! it. The turns are the three even ones, about the diagonal, which keep right hands right.
 //!
-//! Vectors are put in another order, which changes no bit of them. Frames of parts keep their own axes, so that their poses
-//! are turned by a quaternion.
+//! Vectors are put in another order, which changes no bit of them. Frames of parts keep their own
+//! axes, so that their poses are turned by a quaternion.
 
 use crate::lattice::d3q19::{C, Q};
 use tremie_fluid_kit::cells::grid::Grid;
@@ -15,8 +15,8 @@ use tremie_fluid_kit::survey::static_geometry::{GridAxes, StaticGeometry};
 
 mod scene;
 
-/// Of the time that lines take with rows along x, what they may take at most with rows along another axis for the lattice
-/// to be turned.
+/// Of the time that lines take with rows along x, what they may take at most with rows along
+/// another axis for the lattice to be turned.
 const WORTH_IT: f64 = 0.9;
 
 /// Extra time of a line in pieces over a whole one, in times of a whole one, as mean of both kinds
@@ -34,7 +34,8 @@ impl LatticeOrientation {
     /// The world's own.
     pub const WORLD: Self = Self { first: 0 };
 
-    /// Those by which the fewest lines of `line` cells are in pieces; the world's own, unless others are much better.
+    /// Those by which the fewest lines of `line` cells are in pieces; the world's own, unless
+    /// others are much better.
     pub fn with_whole_lines(ground: &StaticGeometry, line: usize) -> Self {
         let solid = &ground.voxels.obstacles.solid;
         let of = |first| {
@@ -46,12 +47,14 @@ impl LatticeOrientation {
         if least <= WORTH_IT * x { Self { first } } else { Self::WORLD }
     }
 
-    /// Lines that the cells which are not solid make, and those of them in which a row ends or begins, but not with the line.
+    /// Lines that the cells which are not solid make, and those of them in which a row ends or
+    /// begins, but not with the line.
     fn lines(self, grid: &Grid, solid: &[u16], line: usize) -> [usize; 2] {
         let n = grid.n.map(|n| n as usize);
         let steps = self.to_lattice(&[1, n[0], n[0] * n[1]]);
         let [columns, rows, layers] = self.to_lattice(&n);
-        // A line counts when its first inner end is met: those of one line come one after the other.
+        // A line counts when its first inner end is met: those of one line come one after the
+        // other.
         let (mut cells, mut in_pieces, mut last) = (0_usize, 0, usize::MAX);
         for start in (0..layers).flat_map(|k| (0..rows).map(move |j| j * steps[1] + k * steps[2])) {
             let mut was_fluid = false;

@@ -42,13 +42,13 @@ pub struct Parameters {
     /// What presses on a body in a gap too narrow to hold a cell.
     #[serde(default)]
     pub gap_pressure: GapPressure,
-    /// Lattice viscosity `(tau - 1/2)/3` below which the walls of gaps slip that the scene says may;
-    /// above it they hold the fluid as real ones do.
+    /// Lattice viscosity `(tau - 1/2)/3` below which the walls of gaps slip that the scene says
+    /// may; above it they hold the fluid as real ones do.
     #[serde(default = "defaults::slip_viscosity")]
     pub slip_viscosity: f64,
     /// How far a part that moves comes before its cells and links are found anew [cells]: the next
-    /// power of two below. In between, wall distances follow it to first order; a cell is covered at
-    /// most that much, by half along an axis, too early or too late. 0 finds them in each step.
+    /// power of two below. In between, wall distances follow it to first order; a cell is covered
+    /// at most that much, by half along an axis, too early or too late. 0 finds them in each step.
     #[serde(default = "defaults::part_step")]
     pub part_step: f64,
     /// Precision of storage and collision. Loads and balances are f64 in either.
@@ -58,14 +58,15 @@ pub struct Parameters {
     /// two-step oscillation.
     #[serde(default = "defaults::average_force")]
     pub average_force: bool,
-    /// How many steps ahead of its state a body's wall moves, by what its velocity changed by in the
-    /// last step: 0 for the velocity given. A body that moves under the fluid's force gets the force of
-    /// a step after it, half a step later still with `average_force`; that lag feeds sound between
-    /// body and walls, at the rate `rho cs^2 A^2 lag / (M V)`, and at a small viscosity nothing damps
-    /// it. 1 makes up for both, and is stable with `average_force` alone. With a lead, a rigid
-    /// body's velocity is in each interpolated link that of the time at which the link meets it. Free spheres and polyhedra are taken
-    /// ahead by no more than the fluid's own force changes their velocity: what a lead makes of the jolts
-    /// between grains is noise. They feed the sound across gaps as narrow as a few of them.
+    /// How many steps ahead of its state a body's wall moves, by what its velocity changed by in
+    /// the last step: 0 for the velocity given. A body that moves under the fluid's force gets the
+    /// force of a step after it, half a step later still with `average_force`; that lag feeds sound
+    /// between body and walls, at the rate `rho cs^2 A^2 lag / (M V)`, and at a small viscosity
+    /// nothing damps it. 1 makes up for both, and is stable with `average_force` alone. With a
+    /// lead, a rigid body's velocity is in each interpolated link that of the time at which the
+    /// link meets it. Free spheres and polyhedra are taken ahead by no more than the fluid's own
+    /// force changes their velocity: what a lead makes of the jolts between grains is noise. They
+    /// feed the sound across gaps as narrow as a few of them.
     #[serde(default)]
     pub velocity_lead: f64,
     /// Largest Mach number: of the scene's expected speed at the start, of the flow while running.
@@ -125,15 +126,15 @@ pub enum Walls {
     Halfway,
 }
 
-/// What cells hold that a body uncovered: the mean density around, the body's velocity, and the stress
-/// of the neighbour away from it.
+/// What cells hold that a body uncovered: the mean density around, the body's velocity, and the
+/// stress of the neighbour away from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Refill {
     /// No more than that; the mass drifts while bodies move, in a settling bed by per cents.
     Eqneq,
-    /// And what a body took from the fluid beyond its volume is paid back along its surface, so that
-    /// a closed box keeps its mean density.
+    /// And what a body took from the fluid beyond its volume is paid back along its surface, so
+    /// that a closed box keeps its mean density.
     #[default]
     Mass,
 }
@@ -228,8 +229,8 @@ impl Parameters {
         speed * time_step / self.cell.0 / CS2.sqrt()
     }
 
-    /// Edge of the grid of positions at which moving parts are found [cells]: a power of two, so that
-    /// a part keeps its place among the cells when it moves by whole ones.
+    /// Edge of the grid of positions at which moving parts are found [cells]: a power of two, so
+    /// that a part keeps its place among the cells when it moves by whole ones.
     pub(crate) fn spacing_of_poses(&self) -> f64 {
         let mut spacing = 0.25;
         while spacing > self.part_step && spacing > SMALLEST_PART_STEP {

@@ -27,7 +27,8 @@ struct Spheres {
     motion: f64,
 }
 
-/// Large ones, small ones, and small ones as slow as the grains in a valve, in a box that stays in the third-level cache as a valve's.
+/// Large ones, small ones, and small ones as slow as the grains in a valve, in a box that stays in
+/// the third-level cache as a valve's.
 const SPHERES: [Spheres; 3] = [
     Spheres { room: 96, along: 4, diameter: 10.0, motion: 0.01 },
     Spheres { room: 96, along: 16, diameter: 2.5, motion: 0.01 },
@@ -124,7 +125,8 @@ fn whole(
     Benchmark { name, threads, quantities, make: Box::new(make) }
 }
 
-/// A bore and the bolt in it, and the box around it, full: their times and memory. 44 % of the box are fluid.
+/// A bore and the bolt in it, and the box around it, full: their times and memory. 44 % of the box
+/// are fluid.
 fn bore(
     precise: &str,
     precision: Precision,

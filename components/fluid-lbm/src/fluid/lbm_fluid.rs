@@ -20,8 +20,8 @@ use tremie_team::{Found, Variant};
 
 /// A lattice-Boltzmann fluid in a box, with moving bodies in it.
 ///
-/// Everything here is by the world's axes. The lattice inside may lie along others, so that the rows of its cells are
-/// long: how fast it is does not depend on how the scene lies.
+/// Everything here is by the world's axes. The lattice inside may lie along others, so that the
+/// rows of its cells are long: how fast it is does not depend on how the scene lies.
 pub struct LbmFluid {
     solver: Either,
     /// Those of the lattice.
@@ -127,9 +127,9 @@ impl LbmFluid {
         })
     }
 
-    /// Finds out from now on whether a step is faster on all threads or on one, and goes on with that: either is
-    /// tried for some steps, anew when there are half as many fluid cells again, or two thirds, and now and then.
-    /// Results do not depend on it.
+    /// Finds out from now on whether a step is faster on all threads or on one, and goes on with
+    /// that: either is tried for some steps, anew when there are half as many fluid cells again, or
+    /// two thirds, and now and then. Results do not depend on it.
     pub fn choose_threads(&mut self) {
         solver!(&mut self.solver, s => s.exec.choose_threads());
     }
@@ -175,27 +175,27 @@ impl LbmFluid {
         Ok(())
     }
 
-    /// The deformable surfaces as they are at the end of the next step: all vertices of all surfaces of
-    /// the scene, in their order, numbered as [`tremie_geometry::Turned`] does it. Needed before
-    /// [`LbmFluid::start`] in a scene that has some; what was said last holds on.
+    /// The deformable surfaces as they are at the end of the next step: all vertices of all
+    /// surfaces of the scene, in their order, numbered as [`tremie_geometry::Turned`] does it.
+    /// Needed before [`LbmFluid::start`] in a scene that has some; what was said last holds on.
     ///
     /// # Errors
-    /// As many vertices as there are not, numbers that are not finite, and first vertices between which
-    /// the surface is not closed or inside out.
+    /// As many vertices as there are not, numbers that are not finite, and first vertices between
+    /// which the surface is not closed or inside out.
     pub fn set_surfaces(&mut self, vertices: &[SurfaceVertex]) -> Result<(), FluidError> {
         let vertices = self.axes.vertices(vertices, &mut self.vertices);
         solver!(&mut self.solver, s => s.set_surfaces(vertices))
     }
 
-    /// Forces [N] of the fluid in the last step on the facets of deformable surfaces, all of them in
-    /// order, buoyancy included, each with a point of its line of action [m]: the nearest to the facet's
-    /// middle, no farther away than its corners.
+    /// Forces [N] of the fluid in the last step on the facets of deformable surfaces, all of them
+    /// in order, buoyancy included, each with a point of its line of action [m]: the nearest to the
+    /// facet's middle, no farther away than its corners.
     ///
-    /// On a surface whose reference (the origin of its section in the scene) lies on a symmetry plane,
-    /// facets beyond the plane get nothing but what links through the mirror meet there, and all others
-    /// twice what they feel: sums over facets that lie alike on both sides are then those of the whole,
-    /// along the plane; the work of motions that are symmetric too. Across the plane, the whole feels
-    /// nothing, whatever the sum.
+    /// On a surface whose reference (the origin of its section in the scene) lies on a symmetry
+    /// plane, facets beyond the plane get nothing but what links through the mirror meet there, and
+    /// all others twice what they feel: sums over facets that lie alike on both sides are then
+    /// those of the whole, along the plane; the work of motions that are symmetric too. Across the
+    /// plane, the whole feels nothing, whatever the sum.
     pub fn surface_loads(&mut self, loads: &mut [FacetLoad]) {
         solver!(&mut self.solver, s => s.surface_loads(loads));
         self.axes.turn_back_facets(loads);
@@ -206,19 +206,20 @@ impl LbmFluid {
         self.axes.ledger(solver!(&self.solver, s => &s.budget.ledger))
     }
 
-    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, as on bodies and parts that
-    /// move: gauge pressure, shear, the pressure in gaps, and buoyancy of what of it lies in the domain, whatever it rests
-    /// on; the torque is about the origin of the part's frame. A part whose origin lies on a
-    /// symmetry plane is cut by it: the load is that on the whole. The id of a load is the part's index
-    /// in the scene. `loads` is cleared before.
+    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, as
+    /// on bodies and parts that move: gauge pressure, shear, the pressure in gaps, and buoyancy of
+    /// what of it lies in the domain, whatever it rests on; the torque is about the origin of the
+    /// part's frame. A part whose origin lies on a symmetry plane is cut by it: the load is that on
+    /// the whole. The id of a load is the part's index in the scene. `loads` is cleared before.
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         solver!(&self.solver, s => s.loads_on_parts(loads));
         self.axes.turn_back_loads(loads);
     }
 
-    /// Force [N] of the fluid in the last step on each wall and symmetry plane of the domain, by axis, lower before upper:
-    /// gauge pressure without its hydrostatic part, shear, and the pressure in gaps. Zero at other faces. A
-    /// link through an edge of the box counts to one of the two faces: a sixth of the pressure on each cell of an edge.
+    /// Force [N] of the fluid in the last step on each wall and symmetry plane of the domain, by
+    /// axis, lower before upper: gauge pressure without its hydrostatic part, shear, and the
+    /// pressure in gaps. Zero at other faces. A link through an edge of the box counts to one of
+    /// the two faces: a sixth of the pressure on each cell of an edge.
     pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
         let forces = solver!(&self.solver, s => s.walls.wall_forces(s.lattice.units.force()));
         self.axes.to_world(&forces).map(|sides| sides.map(|force| self.axes.to_world(&force)))
@@ -338,7 +339,8 @@ impl LbmFluid {
     }
 }
 
-/// Axes with which the lattice is fast, the scene by them, and its geometry in lines of `line` cells, given that by the world's axes.
+/// Axes with which the lattice is fast, the scene by them, and its geometry in lines of `line`
+/// cells, given that by the world's axes.
 fn turned<'a>(
     scene: &'a Scene,
     resolution: &Resolution,
@@ -349,7 +351,8 @@ fn turned<'a>(
     if axes != LatticeOrientation::WORLD {
         let turned = axes.scene(scene);
         let cells = axes.to_lattice(&resolution.cells);
-        // Where a surface passes through the centres of cells, rounding may have them be others, and then what was found fit may not be.
+        // Where a surface passes through the centres of cells, rounding may have them be others,
+        // and then what was found fit may not be.
         let of_turned =
             StaticGeometry::new(&turned, axes.grid_axes(), LINKS, cells, resolution.cell);
         if let Ok(ground) = of_turned {

@@ -1,4 +1,5 @@
-//! Signals of the fluid: name, unit, meaning and value of each, in the order in which they are told.
+//! Signals of the fluid: name, unit, meaning and value of each, in the order in which they are
+//! told.
 
 use crate::boundary::virtual_piston::face::{OF_RESERVOIRS, reservoirs_of};
 use crate::lattice::ledger::Ledger;

@@ -1,11 +1,12 @@
 //! Gaps that the scene declares: which of their cells are frozen, and what presses in them.
 //!
-//! The thickness of a gap at a cell is the distance of the cell's centre from one side plus that from
-//! the other: between two flat walls their distance, wherever the cell is between them. It counts where
-//! the ways to the two sides are opposite to within 26 degrees: beside the end of a gap they are not. A
-//! cell of a gap is frozen, which is solid to its neighbours, while the thickness is less than `open_at`; once
-//! it is fluid it stays so down to `close_at`. A cell that a body uncovers begins frozen, unless the
-//! gap there is open. Thickness is found anew with the cells of the moving side (see `mesh_body`).
+//! The thickness of a gap at a cell is the distance of the cell's centre from one side plus that
+//! from the other: between two flat walls their distance, wherever the cell is between them. It
+//! counts where the ways to the two sides are opposite to within 26 degrees: beside the end of a
+//! gap they are not. A cell of a gap is frozen, which is solid to its neighbours, while the
+//! thickness is less than `open_at`; once it is fluid it stays so down to `close_at`. A cell that a
+//! body uncovers begins frozen, unless the gap there is open. Thickness is found anew with the
+//! cells of the moving side (see `mesh_body`).
 //!
 //! As cells freeze, fluid cells may be left with no way through faces of cells to more than
 //! [`POCKET`] others: such pockets are frozen too, until a neighbour becomes fluid. (One that hangs
@@ -345,8 +346,8 @@ impl ModelledGaps {
         GapSinks::new(gaps.map(|gap| gap.probes.iter().map(Weighted::as_sink).collect()))
     }
 
-    /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the sum
-    /// of densities next to gap links and their number.
+    /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the
+    /// sum of densities next to gap links and their number.
     pub fn settle_nearest(&mut self, found: impl Fn(u16) -> [f64; 2]) {
         for (k, gap) in (0..).zip(&mut self.gaps) {
             if gap.rule == GapRule::Nearest {
@@ -359,8 +360,8 @@ impl ModelledGaps {
 }
 
 impl Weighted {
-    /// Density minus 1 at the time when it acts, see [`LEAD`]; what it was where no cell of the probe is fluid. `None`
-    /// before it was measured.
+    /// Density minus 1 at the time when it acts, see [`LEAD`]; what it was where no cell of the
+    /// probe is fluid. `None` before it was measured.
     fn measure<T: Real>(&mut self, after: &PostCollision<T>) -> Option<f64> {
         let (mut drho, mut all) = (0.0, 0.0);
         for &(cell, part) in self.cells.iter().filter(|(cell, _)| after.flags.is_fluid(*cell)) {

@@ -90,8 +90,8 @@ impl ModelledGaps {
 impl Fill {
     const EMPTY: Self = Self { cells: [0; ROOM], count: 0, is_closed: false };
 
-    /// Goes from a fluid cell until it has been everywhere, or knows that it is in no pocket: at an open face, next to a
-    /// cell of `open`, all of which are in none, or when there are too many.
+    /// Goes from a fluid cell until it has been everywhere, or knows that it is in no pocket: at an
+    /// open face, next to a cell of `open`, all of which are in none, or when there are too many.
     fn from(flags: &CellFlags, layout: &Layout, seed: u32, open: &Self) -> Self {
         let mut fill = Self::EMPTY;
         fill.add(seed);

@@ -1,22 +1,23 @@
 //! Walls that slip in thin gaps.
 //!
-//! At a small viscosity a gap of a few cells is held up by its walls: half-way reflection stops what
-//! moves along them within a step or two, which no boundary layer of the real flow does. In gaps that
-//! the scene declares so (`slip_below`), and below a lattice viscosity, links that meet a wall are
-//! reflected like light: with `a` the axis nearest to the direction across the gap, `m(i)` the direction
-//! `i` mirrored across it, and `t` the part of `c_i` along the wall,
+//! At a small viscosity a gap of a few cells is held up by its walls: half-way reflection stops
+//! what moves along them within a step or two, which no boundary layer of the real flow does. In
+//! gaps that the scene declares so (`slip_below`), and below a lattice viscosity, links that meet a
+//! wall are reflected like light: with `a` the axis nearest to the direction across the gap, `m(i)`
+//! the direction `i` mirrored across it, and `t` the part of `c_i` along the wall,
 //!
 //! ```text
 //! f_i'(x_f) = g_m(i')(x_f + t) - 6 w_i rho c_ia u_wa           i' opposite to i, u_w the wall's velocity
 //! ```
 //!
-//! for every pair of links that are each other's image, one of them in the gap, so that no mass is made;
-//! any other link stays as it is. It is done after all other reflection, as a correction of what that gave.
+//! for every pair of links that are each other's image, one of them in the gap, so that no mass is
+//! made; any other link stays as it is. It is done after all other reflection, as a correction of
+//! what that gave.
 //!
-//! The link straight at the wall is its own image, and half-way too: between the mirrors, interpolation to the
-//! surface feeds the sound across the gap where the last cells are nearly all covered or nearly all free, and
-//! as tau comes near to 1/2 nothing damps it. In a gap of one cell it stays interpolated, which damps: a shut valve
-//! and its seal would feed the sound in it.
+//! The link straight at the wall is its own image, and half-way too: between the mirrors,
+//! interpolation to the surface feeds the sound across the gap where the last cells are nearly all
+//! covered or nearly all free, and as tau comes near to 1/2 nothing damps it. In a gap of one cell
+//! it stays interpolated, which damps: a shut valve and its seal would feed the sound in it.
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
@@ -132,7 +133,8 @@ impl SpecularWalls {
         }
     }
 
-    /// Finds the links: of all cells if parts have moved, else of those around which cells changed hands.
+    /// Finds the links: of all cells if parts have moved, else of those around which cells changed
+    /// hands.
     pub fn find(
         &mut self,
         gaps: &ModelledGaps,
@@ -322,8 +324,8 @@ impl SlipLink {
     }
 }
 
-/// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`; returns the
-/// force.
+/// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`;
+/// returns the force.
 fn give(
     exchange: &mut MomentumExchange,
     link: &SlipLink,

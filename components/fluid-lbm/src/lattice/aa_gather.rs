@@ -1,4 +1,5 @@
-//! Lines whose odd places are in pieces, collected so that they can collide as others do, and written back.
+//! Lines whose odd places are in pieces, collected so that they can collide as others do, and
+//! written back.
 
 use crate::lattice::collision::AHEAD;
 use crate::lattice::collision_kernel::{Sweep, all_lanes};
@@ -7,8 +8,8 @@ use crate::lattice::d3q19::Q;
 use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Real, prefetch, prefetch_early};
 
-/// Lines after a run whose pieces are asked for before it. Whole lines need no such help: the lines before ask
-/// for what follows their own places.
+/// Lines after a run whose pieces are asked for before it. Whole lines need no such help: the lines
+/// before ask for what follows their own places.
 pub const PIECES_AHEAD: usize = 4;
 
 /// Does some work with the pieces of each direction of a line that is in pieces.
@@ -97,7 +98,8 @@ impl<T: Real> Scratch<T> {
         run
     }
 
-    /// Writes the directions of a line that are in pieces from where [`Scratch::gather`] had put them.
+    /// Writes the directions of a line that are in pieces from where [`Scratch::gather`] had put
+    /// them.
     ///
     /// # Safety
     /// As for [`Scratch::gather`].

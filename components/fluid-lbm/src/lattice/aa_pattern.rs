@@ -1,10 +1,10 @@
 //! Places of the populations of each cell in even and in odd steps.
 //!
-//! The pattern "AA" of Bailey et al. 2009 on a list of cells. `A[i][x]` is plane `i` of the array at
-//! cell `x`; a *place* is one index into the array, `plane * stride + cell`. A collision reads `f_i`
-//! of a cell from its place of direction `i` and leaves `g_i` in the place of the opposite direction
-//! `i'`. In even steps these are the cell's own places, `A[i][x]`. In odd steps they depend on where
-//! the link from `x` against `i` comes from:
+//! The pattern "AA" of Bailey et al. 2009 on a list of cells. `A[i][x]` is plane `i` of the array
+//! at cell `x`; a *place* is one index into the array, `plane * stride + cell`. A collision reads
+//! `f_i` of a cell from its place of direction `i` and leaves `g_i` in the place of the opposite
+//! direction `i'`. In even steps these are the cell's own places, `A[i][x]`. In odd steps they
+//! depend on where the link from `x` against `i` comes from:
 //!
 //! ```text
 //! from a cell y = x - c_i, maybe through a periodic face:    A[i'][y]
@@ -13,12 +13,12 @@
 //! ```
 //!
 //! The third is reflection half-way: the next step finds `g_i'(x)` as `f_i(x)`. No other cell has a
-//! use for that place, because the one that would have (`x - c_i`) is not there. Everything else that
-//! may happen at such a link (a curved wall, a moving wall, an open face) works in place on that one
-//! number.
+//! use for that place, because the one that would have (`x - c_i`) is not there. Everything else
+//! that may happen at such a link (a curved wall, a moving wall, an open face) works in place on
+//! that one number.
 //!
-//! Cells come in lines of 64 bytes. Where the odd places of a whole line are consecutive, one number
-//! says where they begin; else a list of pieces does.
+//! Cells come in lines of 64 bytes. Where the odd places of a whole line are consecutive, one
+//! number says where they begin; else a list of pieces does.
 
 mod build;
 
@@ -125,7 +125,8 @@ pub struct AaPattern {
     /// Cells in a line: 2 to this power. Division would cost more than the look-up.
     line_bits: u32,
     /// For each line: bits of the directions that are in pieces, then for each direction the odd
-    /// place of its first cell, or that of most of the line at an end of a row, or the first of its pieces.
+    /// place of its first cell, or that of most of the line at an end of a row, or the first of its
+    /// pieces.
     lines: Vec<[u32; Q]>,
     kinds: Vec<Kind>,
     /// For each line, and as many after the last as a sweep looks ahead.
@@ -167,8 +168,8 @@ impl AaPattern {
         self.ways[line]
     }
 
-    /// The end, up to `end`, of the run of lines from `first` on within which each line's odd places follow those of
-    /// the line before. `WITH_ENDS`: ends of rows may be among them.
+    /// The end, up to `end`, of the run of lines from `first` on within which each line's odd
+    /// places follow those of the line before. `WITH_ENDS`: ends of rows may be among them.
     #[inline(always)]
     pub fn run_end<const WITH_ENDS: bool>(&self, first: usize, end: usize) -> usize {
         prefetch(self.ways.as_ptr().wrapping_add(first + 256));
@@ -248,8 +249,8 @@ impl AaPattern {
         (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
     }
 
-    /// Gives [`AaPattern::of`] of `count` cells of one line that follow each other, after the number of each among
-    /// them.
+    /// Gives [`AaPattern::of`] of `count` cells of one line that follow each other, after the
+    /// number of each among them.
     #[inline(always)]
     pub fn each_of(
         &self,
@@ -276,7 +277,8 @@ impl AaPattern {
         }
     }
 
-    /// Cells that follow each other in one line, as [`AaPattern::each_of`] takes them: the first, and how many.
+    /// Cells that follow each other in one line, as [`AaPattern::each_of`] takes them: the first,
+    /// and how many.
     pub fn runs(&self, cells: &[u32]) -> impl Iterator<Item = (u32, usize)> {
         let line = |cell: u32| cell >> self.line_bits;
         let follow = move |a: &u32, b: &u32| *b == *a + 1 && line(*a) == line(*b);
@@ -316,7 +318,8 @@ impl AaPattern {
         self.leads_to(cell, i, self.odd(cell, OPPOSITE[i]))
     }
 
-    /// The cells to which the links of a cell lead, in the order of directions; see [`AaPattern::neighbour`].
+    /// The cells to which the links of a cell lead, in the order of directions; see
+    /// [`AaPattern::neighbour`].
     #[inline]
     pub fn neighbours(&self, cell: u32) -> impl Iterator<Item = u32> {
         let places = self.of_cell(Parity::Odd, cell);

@@ -1,5 +1,5 @@
-//! Lines at the end of a row, where a register holds a line: the one cell that sees another place is read and written by
-//! itself.
+//! Lines at the end of a row, where a register holds a line: the one cell that sees another place
+//! is read and written by itself.
 
 use crate::lattice::aa_pattern::Piece;
 use crate::lattice::aa_rows::RowEnd;

@@ -13,9 +13,10 @@ pub struct Way {
     pub row_end: Option<RowEnd>,
 }
 
-/// An end of a row that ends with a line. In the directions from there the line is in two pieces: the row's last cell, which
-/// sees another place than those beside it, and the others, whose place is the line's entry in the table. The pieces are listed in
-/// the order of directions, and of lanes.
+/// An end of a row that ends with a line. In the directions from there the line is in two pieces:
+/// the row's last cell, which sees another place than those beside it, and the others, whose place
+/// is the line's entry in the table. The pieces are listed in the order of directions, and of
+/// lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowEnd {
     /// The first cell of the line is the first of its row.

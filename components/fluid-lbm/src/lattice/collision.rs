@@ -16,7 +16,8 @@
 //! Pi_ab = sum_i c_ia c_ib (h_i - heq_i) + (u_a F_b + F_a u_b)/2 = -2 rho cs^2 tau+ S_ab
 //! ```
 //!
-//! (the strain rate `S_ab` of the second-order expansion; the force's share after Guo, Zheng & Shi 2002, eq. 18).
+//! (the strain rate `S_ab` of the second-order expansion; the force's share after Guo, Zheng & Shi
+//! 2002, eq. 18).
 
 pub mod operators;
 mod relaxation;
@@ -92,8 +93,8 @@ pub struct Constants<V> {
     /// `3/4 a` and `3/2 a`.
     lead: [V; 3],
     pull: [V; 3],
-    /// `2 e a`, `6 w_i e (c_i.a)` and `3 w_i o (c_i.a)` of each pair, with `e = 1 - 1/(2 tau+)` and `o = 1 - 1/(2 tau-)` where
-    /// these are the same everywhere, else 1.
+    /// `2 e a`, `6 w_i e (c_i.a)` and `3 w_i o (c_i.a)` of each pair, with `e = 1 - 1/(2 tau+)` and
+    /// `o = 1 - 1/(2 tau-)` where these are the same everywhere, else 1.
     even_force: [V; 3],
     even_pair: [V; 9],
     odd_pair: [V; 9],
@@ -205,7 +206,8 @@ impl<V: LatticeVector> Moments<V> {
     }
 }
 
-/// The equilibrium that a vector of cells relaxes to: `heq_i = w_i [rest + 2 rho (c_i.v) (1 + c_i.v)]`.
+/// The equilibrium that a vector of cells relaxes to: `heq_i = w_i [rest + 2 rho (c_i.v) (1 +
+/// c_i.v)]`.
 #[derive(Clone, Copy)]
 pub struct Equilibrium<V> {
     /// `v = 3/2 u`.
@@ -355,8 +357,8 @@ pub struct RelaxationRates<V> {
     odd: V,
 }
 
-/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`; `momentum` is
-/// `2/3 rho u`.
+/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a
+/// u_b`; `momentum` is `2/3 rho u`.
 #[inline(always)]
 fn stress2<V: LatticeVector, const FORCED: bool>(
     drho: V,

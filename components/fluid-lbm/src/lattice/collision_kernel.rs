@@ -18,9 +18,9 @@ use crate::lattice::reflection_impulse::ReflectionImpulse;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_team::Variant;
-use tremie_team::simd::{Portable, SimdVector};
 #[cfg(target_arch = "x86_64")]
 use tremie_team::simd::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
+use tremie_team::simd::{Portable, SimdVector};
 
 /// Consecutive lines that are one item of work, and what their collision found.
 #[derive(Clone, Debug)]
@@ -60,7 +60,8 @@ pub struct DensityRequests<T: Real> {
     pub lines: Vec<AtomicU8>,
     /// Steps until it is asked anew which are.
     pub left: u32,
-    /// For each cell of a wanted line the density minus 1 before the last collision, which keeps it.
+    /// For each cell of a wanted line the density minus 1 before the last collision, which keeps
+    /// it.
     pub drho: Field<T>,
 }
 
@@ -68,8 +69,9 @@ pub struct DensityRequests<T: Real> {
 const WANTED_FOR: u32 = 64;
 
 impl<T: Real> DensityRequests<T> {
-    /// Begins a step. True if everybody is to say which lines are wanted; else whoever wants others than in the step
-    /// before, and what was wanted may still be: a density that nobody asks for costs next to nothing.
+    /// Begins a step. True if everybody is to say which lines are wanted; else whoever wants others
+    /// than in the step before, and what was wanted may still be: a density that nobody asks for
+    /// costs next to nothing.
     pub fn begin(&mut self) -> bool {
         let is_fresh = self.left == 0;
         if is_fresh {
@@ -96,7 +98,8 @@ impl<T: Real> DensityRequests<T> {
     }
 }
 
-/// A kernel: collides and streams a block, the `usize`th of all, then adds up what its links reflect.
+/// A kernel: collides and streams a block, the `usize`th of all, then adds up what its links
+/// reflect.
 ///
 /// # Safety
 /// The processor has the variant's instructions; no other thread uses the places of the block's
@@ -112,7 +115,8 @@ pub trait CollisionKernel: Real {
     fn kernel(variant: Variant) -> Kernel<Self>;
 }
 
-/// Collides a run of lines, see [`contiguous_lines::collide`]; one function for each variant and operator, with and without an acceleration.
+/// Collides a run of lines, see [`contiguous_lines::collide`]; one function for each variant and
+/// operator, with and without an acceleration.
 type RunKernel<V> = unsafe fn(
     &Sweep<<V as SimdVector>::Scalar>,
     &LineRun<<V as SimdVector>::Scalar>,
@@ -200,7 +204,8 @@ unsafe fn work<V: LatticeVector>(
     unsafe { sweep.tally.sum::<V>(sweep.field, sweep.fluid, number, &mut block.reflected) };
 }
 
-/// Collides and streams lines, in runs within which the places of a line follow those of the line before.
+/// Collides and streams lines, in runs within which the places of a line follow those of the line
+/// before.
 #[inline(always)]
 unsafe fn sweep_lines<V: LatticeVector>(
     sweep: &Sweep<V::Scalar>,
@@ -228,7 +233,8 @@ unsafe fn sweep_lines<V: LatticeVector>(
             asked = soon;
             let is_in_pieces = sweep.places.kind(start).is_in_pieces();
             let is_row_end = sweep.places.way(start).row_end.is_some();
-            // SAFETY: places and pieces are those of the lines in odd steps. A line that has to be collected is a run of its own.
+            // SAFETY: places and pieces are those of the lines in odd steps. A line that has to be
+            // collected is a run of its own.
             unsafe {
                 if !is_in_pieces || V::N == V::Scalar::LINE && is_row_end {
                     run(sweep, &LineRun::odd(sweep, start..end), &constants, &mut sums);

@@ -45,7 +45,8 @@ impl<T: Real> LineRun<T> {
         Self { lines, places, has_ends: true }
     }
 
-    /// A line in odd steps; whoever calls this lets places of directions in pieces point to where these were collected.
+    /// A line in odd steps; whoever calls this lets places of directions in pieces point to where
+    /// these were collected.
     #[inline(always)]
     pub fn collected(sweep: &Sweep<T>, line: usize) -> Self {
         Self { has_ends: false, ..Self::odd(sweep, line..line + 1) }
@@ -58,12 +59,13 @@ impl<T: Real> LineRun<T> {
     }
 }
 
-/// Collides lines that follow each other, a vector at a time. Vectors without fluid are left alone; lanes without fluid
-/// become zero, which is a fluid at rest, so that nothing odd can grow inside solids.
+/// Collides lines that follow each other, a vector at a time. Vectors without fluid are left alone;
+/// lanes without fluid become zero, which is a fluid at rest, so that nothing odd can grow inside
+/// solids.
 ///
 /// # Safety
-/// As for [`crate::lattice::collision_kernel::Kernel`]; so many lines of numbers may be read and written from each place on, and in lanes of
-/// cells these belong to the line.
+/// As for [`crate::lattice::collision_kernel::Kernel`]; so many lines of numbers may be read and
+/// written from each place on, and in lanes of cells these belong to the line.
 #[inline(always)]
 pub unsafe fn collide<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
@@ -144,7 +146,8 @@ pub unsafe fn collide_line<V: LatticeVector, O: CollisionOperator, const FORCED:
     unsafe {
         let flow = measure_vector::<V, O, FORCED>(sweep, (line, 0, lanes), populations, k, held);
         sums.end_line(held);
-        // The compiler is to read populations a second time: to keep all takes more registers than there are.
+        // The compiler is to read populations a second time: to keep all takes more registers than
+        // there are.
         compiler_fence(SeqCst);
         relax_vector::<V, O, FORCED>(lanes, populations, (&flow.target, &flow.rates), k);
     }
@@ -193,10 +196,11 @@ unsafe fn relax_vector<V: LatticeVector, O: CollisionOperator, const FORCED: boo
     }
 }
 
-/// Lines that are measured before the first of them relaxes, where registers hold less than a line. Relaxation waits for a
-/// chain of sums, a quotient and roots; a processor whose window of instructions one vector fills would wait with it, and
-/// measures other vectors in the meantime instead. Registers that hold a whole line make half as many instructions, which leave
-/// room in the window.
+/// Lines that are measured before the first of them relaxes, where registers hold less than a line.
+/// Relaxation waits for a chain of sums, a quotient and roots; a processor whose window of
+/// instructions one vector fills would wait with it, and measures other vectors in the meantime
+/// instead. Registers that hold a whole line make half as many instructions, which leave room in
+/// the window.
 const LINES_TOGETHER: usize = 4;
 
 /// Vectors of so many lines at most.

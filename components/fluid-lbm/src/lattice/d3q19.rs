@@ -117,7 +117,8 @@ pub fn mirrored(mut i: usize, mirrors: u8) -> usize {
     i
 }
 
-/// A value for each direction, as `std::array::from_fn` makes it, which is not unrolled for so many.
+/// A value for each direction, as `std::array::from_fn` makes it, which is not unrolled for so
+/// many.
 #[inline(always)]
 pub fn each(mut value: impl FnMut(usize) -> f64) -> [f64; Q] {
     let mut all = [0.0; Q];

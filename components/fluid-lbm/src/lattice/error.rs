@@ -71,8 +71,8 @@ pub enum FluidError {
         /// Parts of the scene.
         parts: usize,
     },
-    /// A polyhedron of a shape that the scene does not have, or of which no surface can be made at its
-    /// size.
+    /// A polyhedron of a shape that the scene does not have, or of which no surface can be made at
+    /// its size.
     #[error(
         "body {id} is a polyhedron of shape {shape} of the scene, of which there is none to be made among its {shapes}"
     )]

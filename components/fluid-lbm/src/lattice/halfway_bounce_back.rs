@@ -1,9 +1,9 @@
 //! Links at walls at rest that are met half-way: what these walls feel.
 //!
-//! Such a link costs the fluid nothing, because the next step finds what it reflects where the collision left it
-//! (see `aa_pattern`). The wall feels `2 g_i c_i` of each, in deviations from rest. Links of a block of cells that share
-//! direction and fixture are added up together, directly after the block's collision: the sum of `g_i` and its first moments
-//! give force and torque.
+//! Such a link costs the fluid nothing, because the next step finds what it reflects where the
+//! collision left it (see `aa_pattern`). The wall feels `2 g_i c_i` of each, in deviations from
+//! rest. Links of a block of cells that share direction and fixture are added up together, directly
+//! after the block's collision: the sum of `g_i` and its first moments give force and torque.
 
 use crate::lattice::aa_pattern::Blocked;
 use crate::lattice::cell_flags::CellFlags;

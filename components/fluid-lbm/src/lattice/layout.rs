@@ -90,8 +90,8 @@ impl Layout {
         self.places.neighbour(cell, i)
     }
 
-    /// The cell behind a link's beginning, against its direction `i`, if there is one: the cell itself where it sees
-    /// itself in a mirror.
+    /// The cell behind a link's beginning, against its direction `i`, if there is one: the cell
+    /// itself where it sees itself in a mirror.
     #[inline]
     pub fn behind(&self, cell: u32, i: usize) -> Option<u32> {
         let back = OPPOSITE[i];

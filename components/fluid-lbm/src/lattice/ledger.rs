@@ -4,10 +4,10 @@
 ///
 /// Impulses [kg m/s] and masses [kg] that entered the fluid (positive) during the step. They add
 /// up: `momentum_change = body_force + walls + symmetry + parts + open + bodies + swept + covered +
-/// uncovered + isolated + frozen`, and alike for mass. `momentum` is measured over all fluid cells inside the collision and carried
-/// to the end of the step by what the step exchanged afterwards; an exchange that were not listed
-/// would therefore show as a gap between `momentum_change` and the sum of the terms, one step
-/// later.
+/// uncovered + isolated + frozen`, and alike for mass. `momentum` is measured over all fluid cells
+/// inside the collision and carried to the end of the step by what the step exchanged afterwards;
+/// an exchange that were not listed would therefore show as a gap between `momentum_change` and the
+/// sum of the terms, one step later.
 ///
 /// The form of the force follows Wen et al. 2014: a body feels
 /// `g_i (c_i - u_w) - f_i' (c_i' - u_w)` on each link, so that a sphere that moves with the fluid
@@ -64,7 +64,8 @@ pub struct Ledger {
     pub mass_change: f64,
     /// Gained at walls (none, for walls at rest).
     pub mass_walls: f64,
-    /// Gained at parts and planes that stand still. Interpolation does not keep the mass in each step, but with what is owed.
+    /// Gained at parts and planes that stand still. Interpolation does not keep the mass in each
+    /// step, but with what is owed.
     pub mass_parts: f64,
     /// Gained through open faces.
     pub mass_open: f64,
@@ -115,7 +116,8 @@ impl Ledger {
             + self.mass_isolated
     }
 
-    /// Size of what was lost since the start, over the mass of the fluid; 0 where there is no fluid.
+    /// Size of what was lost since the start, over the mass of the fluid; 0 where there is no
+    /// fluid.
     pub fn lost_share(&self) -> f64 {
         if self.mass > 0.0 { self.mass_lost.abs() / self.mass } else { 0.0 }
     }

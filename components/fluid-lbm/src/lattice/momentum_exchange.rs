@@ -1,4 +1,5 @@
-//! Momentum exchange at links: what populations that ran into a wall or a body gave to it (Ladd 1994; Wen et al. 2014).
+//! Momentum exchange at links: what populations that ran into a wall or a body gave to it (Ladd
+//! 1994; Wen et al. 2014).
 
 use crate::lattice::d3q19::cross;
 use crate::lattice::ledger::add_scaled;
@@ -23,8 +24,8 @@ pub struct MomentumExchange {
     pub unmirrored: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,
-    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; of parts, and
-    /// where bodies keep accounts of mass.
+    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; of
+    /// parts, and where bodies keep accounts of mass.
     pub receded: f64,
     /// See `receded`.
     pub weight: f64,
@@ -48,9 +49,9 @@ pub struct LinkExchange {
 }
 
 impl LinkExchange {
-    /// Of a link along `c`, on which `g_i` ran into a wall of velocity `u` at an `arm` and `f_i'` came back, `sum` being `g_i + f_i'`
-    /// and `gain` `f_i' - g_i`: the Galilean-invariant exchange of Wen et al. 2014,
-    /// `g_i (c_i - u) - f_i' (c_i' - u)`.
+    /// Of a link along `c`, on which `g_i` ran into a wall of velocity `u` at an `arm` and `f_i'`
+    /// came back, `sum` being `g_i + f_i'` and `gain` `f_i' - g_i`: the Galilean-invariant exchange
+    /// of Wen et al. 2014, `g_i (c_i - u) - f_i' (c_i' - u)`.
     #[inline(always)]
     pub fn of(c: [f64; 3], sum: f64, gain: f64, u: [f64; 3], arm: [f64; 3]) -> Self {
         let swept = [gain * u[0], gain * u[1], gain * u[2]];

@@ -73,8 +73,8 @@ pub fn prefetch<T>(place: *const T) {
     let _ = place;
 }
 
-/// Fetches a cache line that will be used later, no nearer than the second-level cache: the first has no room for all
-/// that is under way. Any address will do.
+/// Fetches a cache line that will be used later, no nearer than the second-level cache: the first
+/// has no room for all that is under way. Any address will do.
 #[inline(always)]
 pub fn prefetch_early<T>(place: *const T) {
     #[cfg(target_arch = "x86_64")]

@@ -45,8 +45,8 @@ impl CellStatistics {
     }
 }
 
-/// So many lines are added up in the numbers that they are kept in before they are added to sums in f64: to widen
-/// numbers takes time, and a few of them are added up as well as each was computed.
+/// So many lines are added up in the numbers that they are kept in before they are added to sums in
+/// f64: to widen numbers takes time, and a few of them are added up as well as each was computed.
 const HELD: u32 = 4;
 
 /// Running sums, one for each place of a 64-byte line, so that the order of additions is the same

@@ -2,9 +2,9 @@
 //!
 //! Reflection half-way and at mirrors costs no work: the places of the populations see to it. The
 //! momentum that it takes is `2 c_i f_i` at a wall and `(c_i - c_m(i)) f_i` at a mirror for each
-//! reflected population `f_i`, in deviations from the fluid at rest. They are added up by block of cells,
-//! directly after the block's collision; those at mirrors that another block's collision may leave, when
-//! all blocks are done.
+//! reflected population `f_i`, in deviations from the fluid at rest. They are added up by block of
+//! cells, directly after the block's collision; those at mirrors that another block's collision may
+//! leave, when all blocks are done.
 
 use crate::lattice::aa_pattern::Reflection;
 use crate::lattice::cell_list::BoundaryId;
@@ -101,8 +101,8 @@ impl ReflectionImpulse {
         &self.runs[self.blocks[block].clone()]
     }
 
-    /// Adds up the reflected populations that a block's collision leaves, for each run of it, as deviations from rest,
-    /// of cells that are fluid.
+    /// Adds up the reflected populations that a block's collision leaves, for each run of it, as
+    /// deviations from rest, of cells that are fluid.
     ///
     /// # Safety
     /// The processor has the variant's instructions; field and bits are those of the cells that the
@@ -163,8 +163,8 @@ impl ReflectionImpulse {
         }
     }
 
-    /// Adds the impulse of a block's runs to the face's in `mirrors`, `2 axis + side`, and to the fixture's in
-    /// `fixtures`. Of a mirror it is along its axis, into the fluid.
+    /// Adds the impulse of a block's runs to the face's in `mirrors`, `2 axis + side`, and to the
+    /// fixture's in `fixtures`. Of a mirror it is along its axis, into the fluid.
     pub fn share(
         &self,
         block: usize,

@@ -4,8 +4,8 @@ use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, Scene};
 
-/// Pressure over stiffness, which is the relative change of density, above which a flow that should be
-/// incompressible is not, and above which the lattice fails.
+/// Pressure over stiffness, which is the relative change of density, above which a flow that should
+/// be incompressible is not, and above which the lattice fails.
 const COMPRESSED: [f64; 2] = [0.02, 0.1];
 /// The one that a remedy aims at.
 const AIM: f64 = 0.01;
@@ -40,15 +40,16 @@ pub fn finding(pressure: f64, stiffness: f64, time_step: f64, density: f64) -> O
     ))
 }
 
-/// Drop of pressure of the flow itself over the stiffness, above which the density, and with it the velocity, differs by
-/// a per cent from one end of the domain to the other.
+/// Drop of pressure of the flow itself over the stiffness, above which the density, and with it the
+/// velocity, differs by a per cent from one end of the domain to the other.
 const FLOW: f64 = 0.01;
 
-/// The pressure that a viscous flow needs from an open face to the opposite one at the expected speed, over the stiffness
-/// [Pa]. None where nothing bounds it across, or no speed is expected.
+/// The pressure that a viscous flow needs from an open face to the opposite one at the expected
+/// speed, over the stiffness [Pa]. None where nothing bounds it across, or no speed is expected.
 ///
-/// Between walls at a distance `h` the drop is `12 mu u l/h^2` for a mean velocity `u`, in a rectangle `h` by `b` over
-/// `1 - 0.63 h/b` times that; the largest velocity is 1.5 to 2.1 times the mean.
+/// Between walls at a distance `h` the drop is `12 mu u l/h^2` for a mean velocity `u`, in a
+/// rectangle `h` by `b` over `1 - 0.63 h/b` times that; the largest velocity is 1.5 to 2.1 times
+/// the mean.
 pub fn of_flow(scene: &Scene, stiffness: f64, time_step: f64) -> Option<Finding> {
     let fluid = scene.fluid.as_ref()?;
     let speed = fluid.expected_speed.filter(|speed| *speed > 0.0)?;
@@ -100,8 +101,8 @@ mod tests {
     use super::*;
     use tremie_messages::scene::{Course, Domain, FluidMaterial, OpenVelocity, Outflow, Profile};
 
-    /// A duct in which the pressure drops by 1.1 % of the stiffness is doubtful, and a wider or shorter one is not; a
-    /// stream that no wall bounds has no such number.
+    /// A duct in which the pressure drops by 1.1 % of the stiffness is doubtful, and a wider or
+    /// shorter one is not; a stream that no wall bounds has no such number.
     #[test]
     fn the_drop_of_the_flow_itself_is_judged() {
         let inflow = Face::Velocity(OpenVelocity {

@@ -49,7 +49,8 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     findings
 }
 
-/// Part of the fluid's mass that links may lose or make before it shows in pressures and rates of flow.
+/// Part of the fluid's mass that links may lose or make before it shows in pressures and rates of
+/// flow.
 const LOST: f64 = 1e-3;
 
 /// Limits by which signals are judged once the run is over.
@@ -183,8 +184,9 @@ impl Lattice<'_> {
         faces.chain(parts).chain([self.fluid.pressure]).fold(0.0, |most, p| most.max(p.abs()))
     }
 
-    /// Excess weight of the free grains on the floor over the lattice's stiffness. The fluid carries
-    /// the grains; where its pressure is not small beside `rho c_s^2` it is compressed as a spring.
+    /// Excess weight of the free grains on the floor over the lattice's stiffness. The fluid
+    /// carries the grains; where its pressure is not small beside `rho c_s^2` it is compressed as a
+    /// spring.
     fn softness(&self) -> Option<Finding> {
         let gravity = self.scene.gravity;
         let down = (0..3).max_by(|a, b| gravity[*a].abs().total_cmp(&gravity[*b].abs()))?;

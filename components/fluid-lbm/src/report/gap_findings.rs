@@ -7,8 +7,8 @@ use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Gap, Motion, Scene};
 
-/// The thinnest gap that a lattice of small viscosity lets flow [cells]: one layer of cells is held by its
-/// walls.
+/// The thinnest gap that a lattice of small viscosity lets flow [cells]: one layer of cells is held
+/// by its walls.
 const FLOWS: f64 = 1.5;
 /// Largest motion of a part between two searches for its cells that forces do not show [cells].
 const FINE: f64 = 1.0 / 16.0;

@@ -23,8 +23,8 @@ pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
     reservoirs_of(scene).zip(cells).flat_map(of).flatten().collect()
 }
 
-/// The face's area over the piston's. One that a symmetry plane cuts counts as the whole, if that is
-/// nearer.
+/// The face's area over the piston's. One that a symmetry plane cuts counts as the whole, if that
+/// is nearer.
 fn area(scene: &Scene, axis: usize, name: &str, reservoir: &Reservoir, face: f64) -> Finding {
     let cut = |a: &usize| *a != axis && scene.domain.faces[*a].contains(&Face::Symmetry);
     let mirrors = (0..3).filter(cut).count();

@@ -223,8 +223,8 @@ impl Parameters {
         }
     }
 
-    /// Memory of the lattice and its maps [bytes], if `stored` of the box's cells are stored; `None`
-    /// if there are more than can be numbered.
+    /// Memory of the lattice and its maps [bytes], if `stored` of the box's cells are stored;
+    /// `None` if there are more than can be numbered.
     fn memory(&self, cells: [usize; 3], stored: u64) -> Option<u64> {
         let boxed = cells.iter().try_fold(1_u64, |n, &k| n.checked_mul(k as u64))?;
         if boxed >= u64::from(u32::MAX) {
@@ -239,8 +239,8 @@ impl Parameters {
         if stride * Q as u64 > u64::from(u32::MAX) {
             return None;
         }
-        // Populations; which cells of the box are stored; index and owner of each; one bit a cell; the
-        // table of places.
+        // Populations; which cells of the box are stored; index and owner of each; one bit a cell;
+        // the table of places.
         Some(bytes(stride) + boxed / 4 + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
     }
 }

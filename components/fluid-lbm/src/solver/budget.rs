@@ -56,7 +56,8 @@ impl Budget {
         }
     }
 
-    /// Adds what came through open faces, after walls: what the face replaced came through it, not from them.
+    /// Adds what came through open faces, after walls: what the face replaced came through it, not
+    /// from them.
     pub fn add_open_faces<T: Real>(&mut self, faces: &OpenBoundaries<T>, walls: &StaticBoundaries) {
         let balance = &mut self.balance;
         faces.each_gain(|impulse, mass| {
@@ -82,8 +83,8 @@ impl Budget {
         self.balance.frozen = std::array::from_fn(|a| pinched[a] - on_frozen[a]);
     }
 
-    /// Completes the balance: momentum and mass at the step's end are those before the collision and all that was
-    /// exchanged after it.
+    /// Completes the balance: momentum and mass at the step's end are those before the collision
+    /// and all that was exchanged after it.
     pub fn close<T: Real>(&mut self, lattice: &LatticeState<T>) {
         let balance = &mut self.balance;
         let old = (balance.momentum, balance.mass);

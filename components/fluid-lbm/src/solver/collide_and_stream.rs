@@ -4,7 +4,8 @@
 //! f_i(x + c_i, t + 1) = g_i(x, t)        g = f - (f - feq)/tau + force       (see `collision`)
 //! ```
 //!
-//! In the AA pattern (Bailey et al. 2009) the addresses of populations see to half-way walls, mirrors and periodic faces.
+//! In the AA pattern (Bailey et al. 2009) the addresses of populations see to half-way walls,
+//! mirrors and periodic faces.
 
 use crate::boundary::boundaries::Built;
 use crate::boundary::gap_sinks::GapTables;
@@ -39,7 +40,8 @@ pub struct CollideAndStream<T: CollisionKernel> {
 }
 
 impl<T: CollisionKernel> CollideAndStream<T> {
-    /// Of the cells that were laid out; `references` are the points about which torques on fixtures count.
+    /// Of the cells that were laid out; `references` are the points about which torques on fixtures
+    /// count.
     pub fn new(built: &Built<T>, references: &[[f64; 3]], variant: Variant) -> Self {
         let count = built.layout.places.lines().len();
         let step = CELLS_PER_BLOCK / T::LINE;

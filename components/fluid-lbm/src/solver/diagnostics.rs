@@ -92,7 +92,8 @@ impl<T: Real> LatticeState<T> {
         self.units.centre(cell.map(|k| k as i32))
     }
 
-    /// Checks that the fluid is finite, with its exchange with bodies, and no faster than a Mach number.
+    /// Checks that the fluid is finite, with its exchange with bodies, and no faster than a Mach
+    /// number.
     ///
     /// # Errors
     /// The cell where it is not.

@@ -1,7 +1,8 @@
 //! The fluid that bodies displace when they appear in the middle of a run.
 //!
-//! It goes back to the reservoir whose face is nearest: so what enters there in the mean, bodies and
-//! fluid together, is what the piston displaces. Without a reservoir it is lost, as the ledger says.
+//! It goes back to the reservoir whose face is nearest: so what enters there in the mean, bodies
+//! and fluid together, is what the piston displaces. Without a reservoir it is lost, as the ledger
+//! says.
 
 use crate::bodies::body_list::Bodies;
 use crate::lattice::populations::Real;

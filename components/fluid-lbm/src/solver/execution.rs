@@ -13,7 +13,8 @@ pub struct Execution {
     pub variant: Variant,
     /// Room for the links of a body, for each thread.
     pub batches: Vec<Batch>,
-    /// The search for the faster of the whole team and one thread, once that may be tried, and its last result.
+    /// The search for the faster of the whole team and one thread, once that may be tried, and its
+    /// last result.
     choice: Option<Choice>,
     found: Option<Found>,
 }

@@ -108,8 +108,9 @@ impl<'a> Finish<'a> {
         }
     }
 
-    /// Adds the hydrostatic pressure and the mean pressure gradient, which the lattice does not carry:
-    /// their pressure is linear, zero at the middle of the surface's volume, and exact on flat facets.
+    /// Adds the hydrostatic pressure and the mean pressure gradient, which the lattice does not
+    /// carry: their pressure is linear, zero at the middle of the surface's volume, and exact on
+    /// flat facets.
     fn raise(&self, corners: [[f64; 3]; 3], load: &mut OnFacet, sums: &mut FacetSums) {
         let corners = corners.map(|corner| corner.map(|x| x / self.cell));
         let centre = middle_of(corners);
@@ -169,8 +170,9 @@ pub fn load_facets<T: Real>(
     }
 }
 
-/// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread looks at all of it
-/// and takes what is of its own facets: so each facet's sum has the order of what it felt.
+/// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread
+/// looks at all of it and takes what is of its own facets: so each facet's sum has the order of
+/// what it felt.
 fn sum_felt(
     shape: &mut DeformableShape,
     body: &Body,
@@ -238,8 +240,8 @@ fn middle_of(corners: [[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0)
 }
 
-/// The point of a force's line of action that is nearest to the middle of a facet, no farther from it
-/// than its corners are: a force that almost cancels acts far away.
+/// The point of a force's line of action that is nearest to the middle of a facet, no farther from
+/// it than its corners are: a force that almost cancels acts far away.
 fn acting_at(corners: [[f64; 3]; 3], force: [f64; 3], torque: [f64; 3]) -> [f64; 3] {
     let centre = middle_of(corners);
     let about = cross(centre, force);

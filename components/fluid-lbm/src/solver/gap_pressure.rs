@@ -1,4 +1,5 @@
-//! The pressure in gaps that hold no cell, and what it gives to bodies and what stands still; see `unresolved_gaps`.
+//! The pressure in gaps that hold no cell, and what it gives to bodies and what stands still; see
+//! `unresolved_gaps`.
 
 use crate::bodies::body_list::Bodies;
 use crate::boundary::post_collision::LinkItem;
@@ -20,8 +21,8 @@ pub type InGaps = [f64; ROOM];
 /// In gaps of which nothing is known yet.
 pub const UNKNOWN: InGaps = [0.0; ROOM];
 
-/// The gaps that an item found, apart from it and in one piece of memory: those across look at them, and those who
-/// add up walk through all.
+/// The gaps that an item found, apart from it and in one piece of memory: those across look at
+/// them, and those who add up walk through all.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// Place of the body among the living.
@@ -85,8 +86,8 @@ fn drho_in(seen: &[Seen], bodies: &Bodies, place: usize, across: OtherSide) -> f
     if found[1] == 0.0 { 0.0 } else { found[0] / found[1] }
 }
 
-/// Calls `give` with the facet, force and place of everything that the facets of a deformable surface felt of the
-/// fluid and of gaps, from its items of links and the densities in their gaps.
+/// Calls `give` with the facet, force and place of everything that the facets of a deformable
+/// surface felt of the fluid and of gaps, from its items of links and the densities in their gaps.
 pub fn each_felt(
     items: &[LinkItem],
     in_gaps: &[InGaps],

@@ -214,7 +214,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
     fn advance(&mut self, states: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.list.check(states, loads.len())?;
         self.bodies.awaited.check()?;
-        // dH/dt = v_p: the piston's way makes the density at its face (Mutabaruka & Kamrin 2018, Eqs. 29, 30).
+        // dH/dt = v_p: the piston's way makes the density at its face (Mutabaruka & Kamrin 2018,
+        // Eqs. 29, 30).
         self.faces.begin(&self.lattice, &mut self.exec)?;
         self.budget.begin(&self.bodies.list.leaving);
         // Cells change between fluid and solid; what bodies uncover is refilled before it collides.
@@ -222,15 +223,15 @@ impl<T: CollisionKernel> LbmSolver<T> {
         // The fluid that a body displaces as it appears goes back to the reservoir: a piston's way
         // stays the volume that enters.
         return_displaced(&mut self.faces, &mut self.bodies.list, &self.gaps, &self.lattice);
-        // f_i(x + c_i, t + 1) = g_i(x, t), in one array (AA pattern, Bailey et al. 2009): half-way walls and mirrors are
-        // in the addresses.
+        // f_i(x + c_i, t + 1) = g_i(x, t), in one array (AA pattern, Bailey et al. 2009): half-way
+        // walls and mirrors are in the addresses.
         self.collision.step(&mut self.lattice, &mut self.exec);
         self.lattice.steps += 1;
         // f_i'(x, t + 1) of links that met a surface, by its distance (Bouzidi et al. 2001).
         self.bounce_back();
         self.lattice.parity = self.lattice.parity.flipped();
-        // All f_i at open faces: Guo et al. 2002, Zou & He 1997, Mutabaruka & Kamrin 2018, Eq. 31. Last, for they read
-        // what all others wrote.
+        // All f_i at open faces: Guo et al. 2002, Zou & He 1997, Mutabaruka & Kamrin 2018, Eq. 31.
+        // Last, for they read what all others wrote.
         self.faces.apply(&self.lattice, &self.walls, &mut self.exec)?;
         // j(t + 1) = -j(t) where nothing flows through: the mean of both (Zanetti 1989).
         self.pinched.calm(&self.lattice);
@@ -274,9 +275,9 @@ impl<T: CollisionKernel> LbmSolver<T> {
         bodies.find_links(lattice, gaps, &collision.requests, all_want, exec);
     }
 
-    /// Reflects what ran into bodies and walls. A link's result takes the place of what another link reads: so what is cut or slips
-    /// is read first and written last. Bodies come before walls: at a cell between both they read what the wall's links
-    /// change in place.
+    /// Reflects what ran into bodies and walls. A link's result takes the place of what another
+    /// link reads: so what is cut or slips is read first and written last. Bodies come before
+    /// walls: at a cell between both they read what the wall's links change in place.
     fn bounce_back(&mut self) {
         let Self { lattice, collision, bodies, walls, gaps, exec, .. } = self;
         let GapModel { tables, modelled, slip, seen, .. } = gaps;

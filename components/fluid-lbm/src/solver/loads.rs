@@ -1,4 +1,5 @@
-//! Loads on the bodies: what their links exchanged, what gaps press, images in symmetry planes, buoyancy.
+//! Loads on the bodies: what their links exchanged, what gaps press, images in symmetry planes,
+//! buoyancy.
 
 use crate::bodies::body::Body;
 use crate::lattice::ledger::add_scaled;
@@ -43,7 +44,8 @@ pub fn assemble<T: Real>(
         add_scaled(&mut balance.images, own[0], -1.0);
         add_scaled(&mut balance.images, exchange.image, 1.0);
         if *average_force {
-            // The mean of two steps: reflection at cells that come and go makes loads alternate (Ladd 1994).
+            // The mean of two steps: reflection at cells that come and go makes loads alternate
+            // (Ladd 1994).
             let half = given.map(|v| v.map(|x| 0.5 * x));
             given =
                 std::array::from_fn(|k| std::array::from_fn(|a| half[k][a] + body.carried[k][a]));

@@ -1,7 +1,8 @@
 //! The mass that the scheme lost since the start, which nothing let out.
 //!
-//! Links to walls that stand still make or take some where they are interpolated and owe it (see `wall_mass`), links to bodies and
-//! cells that bodies cover and uncover as they move too (see `mass_correction`):
+//! Links to walls that stand still make or take some where they are interpolated and owe it (see
+//! `wall_mass`), links to bodies and cells that bodies cover and uncover as they move too (see
+//! `mass_correction`):
 //!
 //! ```text
 //! lost  = took + rho_m space                                            rho_m: the fluid's mean density
@@ -40,8 +41,8 @@ impl Lost {
         self.is_other = true;
     }
 
-    /// Counts a step at whose end the fluid has so many cells; see above for `took`, `receded` and `mean`. Returns what was lost
-    /// since the start.
+    /// Counts a step at whose end the fluid has so many cells; see above for `took`, `receded` and
+    /// `mean`. Returns what was lost since the start.
     pub fn count(&mut self, cells: usize, took: f64, receded: f64, mean: f64) -> f64 {
         if std::mem::take(&mut self.is_other) {
             *self = Self { before: self.total(mean), ..Self::default() };

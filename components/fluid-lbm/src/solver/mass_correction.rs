@@ -11,9 +11,9 @@
 //! owed  = took + rho_m space                                       rho_m: the fluid's mean density
 //! ```
 //!
-//! `space` is the difference between the cells that the fluid has and the volume that it should have:
-//! bounded, and without the last sum where the body is closed. As long as nothing is owed, a closed
-//! box keeps its mean density, and a piston that shuts half of it the mass. In each step a
+//! `space` is the difference between the cells that the fluid has and the volume that it should
+//! have: bounded, and without the last sum where the body is closed. As long as nothing is owed, a
+//! closed box keeps its mean density, and a piston that shuts half of it the mass. In each step a
 //! part of what is owed goes to the fluid cells at the body's links, in proportion to weight and
 //! density: the surface breathes, and the momentum that a closed surface gives by that is zero.
 //!
@@ -64,7 +64,8 @@ pub fn credit(bodies: &mut MovingBodies, handle: u32, drho: f64) {
     }
 }
 
-/// Settles the accounts of bodies at the end of a step in a fluid of a mean density; returns what they owe.
+/// Settles the accounts of bodies at the end of a step in a fluid of a mean density; returns what
+/// they owe.
 pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) -> f64 {
     let MovingBodies { list, links, exchanges, keeps_mass, .. } = bodies;
     if !*keeps_mass {

@@ -35,13 +35,15 @@ pub struct MovingBodies {
 }
 
 impl MovingBodies {
-    /// Makes the items of the bodies' links; those of parts that press count for so many declared gaps and sinks.
+    /// Makes the items of the bodies' links; those of parts that press count for so many declared
+    /// gaps and sinks.
     pub fn list_links(&mut self, gaps_press: bool, counts: [usize; 2]) {
         self.links = items(&mut self.list, gaps_press, counts);
         self.exchanges = vec![MomentumExchange::default(); self.links.len()];
     }
 
-    /// Most cells that bodies can cover or uncover in a step: fewer than their shells' rows, see `Body::new`.
+    /// Most cells that bodies can cover or uncover in a step: fewer than their shells' rows, see
+    /// `Body::new`.
     pub fn most_changes(&self) -> usize {
         self.list.living.iter().map(Body::most_changes).sum()
     }
@@ -53,7 +55,8 @@ impl MovingBodies {
         self.links.iter_mut().for_each(|item| item.gaps.clear());
     }
 
-    /// Reads the links between two fluid cells that bodies cut, before any link is reflected; true if there are some.
+    /// Reads the links between two fluid cells that bodies cut, before any link is reflected; true
+    /// if there are some.
     pub fn read_cuts<T: Real>(&mut self, after: &PostCollision<T>, exec: &mut Execution) -> bool {
         let bodies = &self.list;
         let cut = &mut self.links[bodies.items_with_surface()];
@@ -66,7 +69,8 @@ impl MovingBodies {
         any_cut
     }
 
-    /// Reflects the populations that ran into bodies; `seen` takes the gaps that links found, if gaps press.
+    /// Reflects the populations that ran into bodies; `seen` takes the gaps that links found, if
+    /// gaps press.
     pub fn bounce_back<T: Real>(
         &mut self,
         after: &PostCollision<T>,
@@ -92,8 +96,8 @@ impl MovingBodies {
         }
     }
 
-    /// Writes what came back along the links that bodies cut, after all others were reflected. One after the other: the
-    /// first of several bodies has a link.
+    /// Writes what came back along the links that bodies cut, after all others were reflected. One
+    /// after the other: the first of several bodies has a link.
     pub fn write_cuts<T: Real>(&mut self, after: &PostCollision<T>) {
         let with_surface = self.list.items_with_surface();
         let items = self.links[with_surface.clone()].iter();
@@ -103,7 +107,8 @@ impl MovingBodies {
         }
     }
 
-    /// Volume by which the walls of bodies receded in the last step, those of gaps without fluid among them.
+    /// Volume by which the walls of bodies receded in the last step, those of gaps without fluid
+    /// among them.
     pub fn receded(&self) -> f64 {
         let counted = self.list.living.iter().filter(|body| self.keeps_mass || body.is_part());
         let items = counted.flat_map(|body| body.items.clone());

@@ -22,8 +22,8 @@ pub struct Filled {
 }
 
 impl MovingBodies {
-    /// Finds the cells that bodies hold now, and asks for the densities near them, if `all_want` for those of all. True if
-    /// links need other items.
+    /// Finds the cells that bodies hold now, and asks for the densities near them, if `all_want`
+    /// for those of all. True if links need other items.
     pub fn rasterise<T: Real>(
         &mut self,
         lattice: &LatticeState<T>,
@@ -60,8 +60,8 @@ impl MovingBodies {
         self.list.note_sharing(flags.sharing());
     }
 
-    /// Finds the links of parts and polyhedra that have moved, and asks for the densities that they need, if `all_want`
-    /// for those of all.
+    /// Finds the links of parts and polyhedra that have moved, and asks for the densities that they
+    /// need, if `all_want` for those of all.
     pub fn find_links<T: Real>(
         &mut self,
         lattice: &LatticeState<T>,

@@ -6,8 +6,9 @@
 //! two or three such cells together. (Checkerboard and staggered invariants of lattice gases:
 //! Zanetti 1989.)
 //!
-//! A cell counts as pinched if fewer of its links lead to fluid than those of a cell along the edge of a box, which has nine. Every
-//! [`EVERY`] steps its momentum becomes the mean of two steps, which a flow that changes slowly does not feel:
+//! A cell counts as pinched if fewer of its links lead to fluid than those of a cell along the edge
+//! of a box, which has nine. Every [`EVERY`] steps its momentum becomes the mean of two steps,
+//! which a flow that changes slowly does not feel:
 //!
 //! ```text
 //! f_i += 3 w_i c_i.(j(t-1) - j(t))/2
@@ -19,7 +20,8 @@ use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
 use crate::solver::lattice_state::LatticeState;
 
-/// Links into fluid from which on fluid flows through a cell: those of a cell along the edge of a box.
+/// Links into fluid from which on fluid flows through a cell: those of a cell along the edge of a
+/// box.
 const OPEN_LINKS: usize = 9;
 
 /// Steps from one mean to the next.

@@ -1,5 +1,5 @@
-//! Velocities at the open faces on which inlets of grains sit: means over the cells that are fluid in the
-//! layer at the face.
+//! Velocities at the open faces on which inlets of grains sit: means over the cells that are fluid
+//! in the layer at the face.
 
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;

@@ -39,8 +39,8 @@ pub struct Probes {
     every: Option<u64>,
 }
 
-/// Cells of sections over all cells up to which sections are looked at in every step. A cell takes two to three times as
-/// long as in a collision.
+/// Cells of sections over all cells up to which sections are looked at in every step. A cell takes
+/// two to three times as long as in a collision.
 const SHARE_OF_SECTIONS: f64 = 0.005;
 
 impl Probes {

@@ -5,14 +5,17 @@
 //!            ( sum over links between fluid cells across it f_i c_i.n  +  sum over links into moving walls across it 6 w_i rho (c_i.u_w) c_i.n )
 //! ```
 //!
-//! Populations that arrive in fluid cells from fluid cells beyond a side are counted, and none that a wall threw back; a wall that
-//! moves carries along what its links take. This is the flow whose balance the lattice keeps: sections of one steady stream agree to
-//! rounding, whatever stands between them, where walls are half-way or along the axes. Along interpolated walls aslant some of it passes beyond
-//! the last cells, half a per cent in a tube of 9 cells, and comes back within a step of the wall. The sum of the cells'
-//! velocities differs from it by the shear at the walls, in a duct of ten cells by some 1 %.
+//! Populations that arrive in fluid cells from fluid cells beyond a side are counted, and none that
+//! a wall threw back; a wall that moves carries along what its links take. This is the flow whose
+//! balance the lattice keeps: sections of one steady stream agree to rounding, whatever stands
+//! between them, where walls are half-way or along the axes. Along interpolated walls aslant some
+//! of it passes beyond the last cells, half a per cent in a tube of 9 cells, and comes back within
+//! a step of the wall. The sum of the cells' velocities differs from it by the shear at the walls,
+//! in a duct of ten cells by some 1 %.
 //!
-//! Cells at open faces are given other populations than arrived (see `open_boundary`). The layer at such a face is read one cell further
-//! inside. Of walls that stand still those that slide along themselves are left out, but for faces of the domain.
+//! Cells at open faces are given other populations than arrived (see `open_boundary`). The layer at
+//! such a face is read one cell further inside. Of walls that stand still those that slide along
+//! themselves are left out, but for faces of the domain.
 
 use crate::bodies::body_list::Bodies;
 use crate::boundary::refill::PreCollision;

@@ -1,4 +1,5 @@
-//! Static surroundings of the fluid with their links: curved and sliding walls, solids, and the forces on them.
+//! Static surroundings of the fluid with their links: curved and sliding walls, solids, and the
+//! forces on them.
 
 use crate::boundary::boundaries::{Boundaries, Built};
 use crate::boundary::post_collision::PostCollision;
@@ -82,7 +83,8 @@ impl StaticBoundaries {
         self.brought = Patches::brought(&self.items);
     }
 
-    /// Adds up what the fluid exchanged with each fixture; returns what symmetry planes gave to it, along their axes.
+    /// Adds up what the fluid exchanged with each fixture; returns what symmetry planes gave to it,
+    /// along their axes.
     pub fn join_exchanges(
         &mut self,
         blocks: &[CellBlock],
@@ -125,7 +127,8 @@ impl StaticBoundaries {
             .sum()
     }
 
-    /// See [`crate::LbmFluid::loads_on_parts`]; `lift` is the force per volume that the lattice does not carry.
+    /// See [`crate::LbmFluid::loads_on_parts`]; `lift` is the force per volume that the lattice
+    /// does not carry.
     pub fn loads_on_parts<T: Real>(
         &self,
         lattice: &LatticeState<T>,

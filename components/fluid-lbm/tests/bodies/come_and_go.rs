@@ -67,7 +67,8 @@ fn displaced_fluid_goes_back_to_the_near_reservoir() {
     }
 }
 
-/// Cells of a body that goes are fluid again, at the density and velocity around, and the balance closes.
+/// Cells of a body that goes are fluid again, at the density and velocity around, and the balance
+/// closes.
 #[test]
 fn cells_of_a_body_that_goes_are_filled_with_the_fluid_around() {
     for refill in [Refill::Eqneq, Refill::Mass] {

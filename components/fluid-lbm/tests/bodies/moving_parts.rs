@@ -49,8 +49,8 @@ fn run(mut fluid: LbmFluid, event: tremie_messages::BodyEvent) -> (Vec<Load>, Lb
     (all, fluid)
 }
 
-/// A ball of triangles feels what a sphere feels: the mean over 200 steps in which it crosses 6 cells
-/// and a face, to 1 %; facets move the moments at which cells are covered.
+/// A ball of triangles feels what a sphere feels: the mean over 200 steps in which it crosses 6
+/// cells and a face, to 1 %; facets move the moments at which cells are covered.
 #[test]
 fn a_ball_is_a_sphere() {
     let mut case = Case::new([24, 20, 20], [PERIODIC, WALL, WALL], 0.8);
@@ -81,8 +81,8 @@ fn a_ball_is_a_sphere() {
     }
 }
 
-/// Circular Couette flow: a cylinder that turns in another, torque `4 pi mu w R1^2 R2^2/(R2^2 - R1^2)`
-/// for each unit of length, on either: 2 %, at 9 and 18 cells.
+/// Circular Couette flow: a cylinder that turns in another, torque `4 pi mu w R1^2 R2^2/(R2^2 -
+/// R1^2)` for each unit of length, on either: 2 %, at 9 and 18 cells.
 #[test]
 fn a_cylinder_turns_in_another() {
     let (inner, outer, length) = (9.0, 18.0, 3.0);
@@ -101,8 +101,8 @@ fn a_cylinder_turns_in_another() {
     let mut loads = loads_of(&body);
     fluid.start(&body, &mut loads).unwrap();
     for _ in 0..4000 {
-        // The pose stays: the cylinder's triangles would turn with it, which changes next to nothing
-        // and costs much.
+        // The pose stays: the cylinder's triangles would turn with it, which changes next to
+        // nothing and costs much.
         fluid.step(&body, &mut loads).unwrap();
     }
     closes(&fluid, 1e-11);
@@ -121,8 +121,8 @@ fn a_cylinder_turns_in_another() {
 }
 
 /// A half of a box on a mirror feels what the box does, buoyancy and its torque about the frame's
-/// origin included: 1e-11. So do halves of a rod and of plates that lie on the mirror or across it and are thinner than a
-/// cell.
+/// origin included: 1e-11. So do halves of a rod and of plates that lie on the mirror or across it
+/// and are thinner than a cell.
 #[test]
 fn a_part_on_a_mirror_is_whole() {
     let run = |size: [f64; 3], half: bool| {

@@ -85,7 +85,8 @@ fn a_fixed_part_feels_what_a_moving_one_does() {
     );
 }
 
-/// On a vessel its content weighs, on a body in it buoyancy acts: together the fluid's weight, turned round.
+/// On a vessel its content weighs, on a body in it buoyancy acts: together the fluid's weight,
+/// turned round.
 #[test]
 fn a_vessel_feels_the_weight_of_what_fills_it() {
     let mut vessel = part("vessel", Geometry::Box { size: [12.0, 12.0, 10.0] }, [10.0, 9.0, 8.0]);
@@ -98,8 +99,8 @@ fn a_vessel_feels_the_weight_of_what_fills_it() {
     for a in 0..3 {
         assert!((on_parts[0].force[a] - GRAVITY[a] * 1440.0).abs() < 1e-12, "{on_parts:?}");
     }
-    // A tube that goes on beyond the domain feels the weight across it, and nothing along it: it has no ends here. Nor
-    // has a column from the floor to the ceiling.
+    // A tube that goes on beyond the domain feels the weight across it, and nothing along it: it
+    // has no ends here. Nor has a column from the floor to the ceiling.
     let mut tube = part("tube", Geometry::Box { size: [100.0, 12.0, 10.0] }, [10.0, 9.0, 8.0]);
     tube.cavity = true;
     let column = part("column", Geometry::Box { size: [3.0, 4.0, 16.0] }, [10.0, 9.0, 8.0]);

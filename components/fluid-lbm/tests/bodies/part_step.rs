@@ -50,7 +50,8 @@ fn run(fluid: &mut LbmFluid, turns: bool, mut each: impl FnMut(&mut LbmFluid, us
     }
 }
 
-/// Force and torque of each step, averaged over 10 steps, and the velocity beside the disc at the end.
+/// Force and torque of each step, averaged over 10 steps, and the velocity beside the disc at the
+/// end.
 fn course(part_step: f64, turns: bool) -> (Vec<[f64; 2]>, [f64; 3]) {
     let mut fluid = fluid(&case(), part_step);
     let mut means = vec![[0.0; 2]; 30];
@@ -61,9 +62,9 @@ fn course(part_step: f64, turns: bool) -> (Vec<[f64; 2]>, [f64; 3]) {
     (means, fluid.velocity_at([21, 12, 14]))
 }
 
-/// With the default step the force on the disc, over 10 steps each, is that of finding links in each
-/// step to 1.5 % of the largest, the torque while it turns to 3 %, the velocity beside it to 1 %. Means
-/// over the run: 0.2 %.
+/// With the default step the force on the disc, over 10 steps each, is that of finding links in
+/// each step to 1.5 % of the largest, the torque while it turns to 3 %, the velocity beside it to 1
+/// %. Means over the run: 0.2 %.
 #[test]
 fn the_flow_is_that_of_finding_links_in_each_step() {
     for turns in [false, true] {
@@ -108,8 +109,9 @@ fn the_way_to_a_pose_leaves_no_trace() {
     assert!(bits(2, false) == reference && bits(3, true) == reference);
 }
 
-/// A block at rest between rounded poses is where it is: drag and lift of a flow along it are those of
-/// links found at its pose, to 1e-9; at the rounded pose, 0.1 cells lower, they differ by more than 1e-4.
+/// A block at rest between rounded poses is where it is: drag and lift of a flow along it are those
+/// of links found at its pose, to 1e-9; at the rounded pose, 0.1 cells lower, they differ by more
+/// than 1e-4.
 #[test]
 fn walls_are_where_they_are_between_rounded_poses() {
     let drag = |part_step: f64, lift: f64| {

@@ -9,8 +9,8 @@ fn cuboid(size: [f64; 3]) -> Geometry {
     Geometry::Box { size }
 }
 
-/// Two boxes that leave a channel of 12 cells are the walls of a channel: Poiseuille's profile, exact
-/// (1e-11 of its peak) half-way between cells.
+/// Two boxes that leave a channel of 12 cells are the walls of a channel: Poiseuille's profile,
+/// exact (1e-11 of its peak) half-way between cells.
 #[test]
 fn boxes_are_walls() {
     // Through periodic faces each would come in again where the other is.
@@ -42,8 +42,8 @@ fn boxes_are_walls() {
     }
 }
 
-/// The same channel at any height between cells: interpolated walls keep the error below 1.5 % of the
-/// peak, half-way walls do not.
+/// The same channel at any height between cells: interpolated walls keep the error below 1.5 % of
+/// the peak, half-way walls do not.
 #[test]
 fn interpolated_walls_lie_where_they_should() {
     let worst = |walls: Walls, shift: f64| {
@@ -103,8 +103,8 @@ fn a_pipe_is_round() {
     }
 }
 
-/// The force on a sphere that is a part is that on a sphere that is a body, but for the facets of the
-/// mesh: 1 %.
+/// The force on a sphere that is a part is that on a sphere that is a body, but for the facets of
+/// the mesh: 1 %.
 #[test]
 fn a_sphere_is_a_sphere() {
     let mut case = Case::new([24, 20, 20], [PERIODIC, WALL, WALL], 0.8);

@@ -1,4 +1,5 @@
-//! Convex polyhedra in the fluid: the forces of the same solid as a part, and the Stokes drag of a cube.
+//! Convex polyhedra in the fluid: the forces of the same solid as a part, and the Stokes drag of a
+//! cube.
 
 use crate::common::*;
 use std::f64::consts::PI;
@@ -39,8 +40,8 @@ fn dragged(case: &Case, scene: &Scene, event: BodyEvent) -> Vec<Load> {
         .collect()
 }
 
-/// A cube that moves and turns feels what a box of the same size feels that is a part: to rounding, for their
-/// surfaces are not cut into the same triangles.
+/// A cube that moves and turns feels what a box of the same size feels that is a part: to rounding,
+/// for their surfaces are not cut into the same triangles.
 #[test]
 fn a_cube_is_a_box() {
     let (case, edge) = (Case::new([28, 24, 24], [PERIODIC; 3], 0.6), 6.4);
@@ -62,8 +63,8 @@ fn a_cube_is_a_box() {
     assert!(largest > 1e-2);
 }
 
-/// Stokes drag on a body in a periodic box over that of a sphere of equal volume in an infinite fluid, with what
-/// its images take from its velocity put back (Hasimoto 1959).
+/// Stokes drag on a body in a periodic box over that of a sphere of equal volume in an infinite
+/// fluid, with what its images take from its velocity put back (Hasimoto 1959).
 fn drag(event: BodyEvent, diameter: f64) -> f64 {
     let n = 32;
     let (length, radius) = (f64::from(n), 0.5 * diameter);
@@ -82,8 +83,9 @@ fn drag(event: BodyEvent, diameter: f64) -> f64 {
     1.0 / (1.0 / in_box + 1.7601 * fraction.cbrt() - fraction + 1.5593 * fraction.powi(2))
 }
 
-/// A cube's friction is that of a sphere of 0.66 of its edge (its capacity; Hubbard & Douglas 1993, to 1 %): 1.065
-/// times that of a sphere of its volume. 7.3 cells an edge; within 3 %, as the sphere is of its own.
+/// A cube's friction is that of a sphere of 0.66 of its edge (its capacity; Hubbard & Douglas 1993,
+/// to 1 %): 1.065 times that of a sphere of its volume. 7.3 cells an edge; within 3 %, as the
+/// sphere is of its own.
 #[test]
 fn the_stokes_drag_of_a_cube() {
     let diameter = 9.0;

@@ -1,5 +1,6 @@
-//! Torque on a sphere that spins in a fluid at rest: `8 pi mu a^3 omega` (Stokes). 10 cells a diameter, a
-//! periodic box of 8 radii, whose images change the torque by the solid fraction, 0.8 %; within 3 %.
+//! Torque on a sphere that spins in a fluid at rest: `8 pi mu a^3 omega` (Stokes). 10 cells a
+//! diameter, a periodic box of 8 radii, whose images change the torque by the solid fraction, 0.8
+//! %; within 3 %.
 
 use crate::common::*;
 use tremie_messages::BodyState;

@@ -79,10 +79,25 @@ fn plus(a: [f64; 3], b: [f64; 3], scale: f64) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + scale * b[k])
 }
 
-/// A surface that moves as a whole is the moving part of the same shape, if no edge of it is so sharp that it cuts links
-/// (which are not looked for at surfaces that deform): same cells, same force to
-/// 1e-12, same torque to 2 % of force times radius (a facet's load has a point near it, and no torque of its own); also where it turns
-/// at its place, and with forces that are averaged, buoyancy, and accounts of mass.
+/// The path of a file with the seal's triangles.
+fn written(seal: &Seal) -> String {
+    let mut text = String::new();
+    for [x, y, z] in seal.turned.places(&seal.points).into_iter().map(<[f64; 3]>::from) {
+        writeln!(text, "v {x:?} {y:?} {z:?}").unwrap();
+    }
+    for [a, b, c] in &seal.turned.triangles {
+        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    let path = format!("{}/seal.obj", env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// A surface that moves as a whole is the moving part of the same shape, if no edge of it is so
+/// sharp that it cuts links (which are not looked for at surfaces that deform): same cells, same
+/// force to 1e-12, same torque to 2 % of force times radius (a facet's load has a point near it,
+/// and no torque of its own); also where it turns at its place, and with forces that are averaged,
+/// buoyancy, and accounts of mass.
 #[test]
 fn a_surface_moved_as_a_whole_is_a_moving_part() {
     let mut case = Case::new([26, 22, 20], [PERIODIC, WALL, WALL], 0.8);
@@ -94,15 +109,7 @@ fn a_surface_moved_as_a_whole_is_a_moving_part() {
     let flat = |[radius, height]: [f64; 2]| [radius, 0.9 * height];
     let round: Vec<_> = half_circle(4.9).into_iter().map(flat).collect();
     let mut seal = Seal::new(&mut scene, &round, 36, begin);
-    let mut text = String::new();
-    for [x, y, z] in seal.turned.places(&seal.points).into_iter().map(<[f64; 3]>::from) {
-        writeln!(text, "v {x:?} {y:?} {z:?}").unwrap();
-    }
-    for [a, b, c] in &seal.turned.triangles {
-        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
-    }
-    let path = format!("{}/seal.obj", env!("CARGO_TARGET_TMPDIR"));
-    std::fs::write(&path, text).unwrap();
+    let path = written(&seal);
     let mut rigid = case.scene();
     let mut mover = part("mover", Geometry::File { path, unit: 1.0 }, begin);
     mover.motion = Motion::Prescribed(Vec::new());
@@ -159,8 +166,8 @@ fn a_surface_moved_as_a_whole_is_a_moving_part() {
     assert!(most < 1e-12 && far < 0.02, "{most} {far}");
 }
 
-/// Uniform pressure: no resultant on the whole, pressure times area on a face, to the cells that the face
-/// covers exactly, and to 4 % of its true area.
+/// Uniform pressure: no resultant on the whole, pressure times area on a face, to the cells that
+/// the face covers exactly, and to 4 % of its true area.
 #[test]
 fn uniform_pressure_gives_pressure_times_area() {
     let case = Case::new([24, 24, 24], [WALL, WALL, WALL], 0.8);
@@ -264,8 +271,9 @@ fn links_push_what_the_surface_sweeps() {
     assert!((pushed / swept - 1.0).abs() < 0.03);
 }
 
-/// A sphere that grows by a fifth in a closed box pushes out what it sweeps: the mean density grows as the
-/// room shrinks, to 1 % of the growth. (The cells that it covers are those of its volume to 4 % only.)
+/// A sphere that grows by a fifth in a closed box pushes out what it sweeps: the mean density grows
+/// as the room shrinks, to 1 % of the growth. (The cells that it covers are those of its volume to
+/// 4 % only.)
 #[test]
 fn a_sphere_that_grows_keeps_the_mass() {
     let mut case = Breathing::new(Refill::Mass);
@@ -295,8 +303,8 @@ fn a_sphere_that_grows_keeps_the_mass() {
     assert!(expected > 0.02 && (growth / expected - 1.0).abs() < 0.01);
 }
 
-/// A ring between a carrier, a sphere that nearly touches it, and a seat, that deforms: the same bits on
-/// any number of threads.
+/// A ring between a carrier, a sphere that nearly touches it, and a seat, that deforms: the same
+/// bits on any number of threads.
 #[test]
 fn the_same_bits_on_any_number_of_threads() {
     let ring = [[4.0, -1.7], [8.2, -1.9], [8.0, 1.6], [4.2, 1.6]];
@@ -395,8 +403,8 @@ fn wrong_surfaces_are_refused() {
     refused(|seal| seal.section.edges[1].points[0] = 9, "section");
 }
 
-/// A surface on a symmetry plane counts whole: along the plane its facets' loads in half a box add up to
-/// those in the whole box.
+/// A surface on a symmetry plane counts whole: along the plane its facets' loads in half a box add
+/// up to those in the whole box.
 #[test]
 fn a_surface_that_a_mirror_cuts_counts_whole() {
     let run = |depth: usize, lower: tremie_messages::scene::Face, y: f64| {
@@ -433,9 +441,9 @@ fn a_surface_that_a_mirror_cuts_counts_whole() {
     assert!(most < 1e-10, "{most}");
 }
 
-/// A disc close above the floor and below a part, in a fluid at uniform pressure: the pressure
-/// in the gap at the floor acts on its facets, that in the gap at the part too, unless it is bonded to it:
-/// pressure times area to 10 %, by the cells at its rim.
+/// A disc close above the floor and below a part, in a fluid at uniform pressure: the pressure in
+/// the gap at the floor acts on its facets, that in the gap at the part too, unless it is bonded to
+/// it: pressure times area to 10 %, by the cells at its rim.
 #[test]
 fn pressure_in_gaps_acts_on_facets_but_not_where_they_are_bonded() {
     let disc = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]];

@@ -72,7 +72,8 @@ fn loads(scene: &Scene, angle: f64) -> (Vec<BodyState>, Vec<Load>) {
     (states, loads)
 }
 
-/// The volume of the union by its lens, and where its centroid is from the first sphere, by symmetric caps.
+/// The volume of the union by its lens, and where its centroid is from the first sphere, by
+/// symmetric caps.
 fn union() -> (f64, f64) {
     let ball = |r: f64| 4.0 / 3.0 * PI * r * r * r;
     let plane = (APART * APART + R * R - S * S) / (2.0 * APART);
@@ -88,8 +89,8 @@ fn union() -> (f64, f64) {
     (volume, (ball(S) * APART - moment) / volume)
 }
 
-/// Buoyancy is that of the union, and acts where its centroid is, however the lattice lies and the pair is turned; else it is
-/// that of both spheres, where they are.
+/// Buoyancy is that of the union, and acts where its centroid is, however the lattice lies and the
+/// pair is turned; else it is that of both spheres, where they are.
 #[test]
 fn a_union_is_lifted_by_what_it_displaces() {
     let (volume, middle) = union();

@@ -1,6 +1,6 @@
-//! Links that sharp edges and thin walls cut between two cells of the fluid: the same solid is the same to the fluid as a
-//! body, a part that moves and a part that stands still, and a cube's Stokes drag is right wherever it is and however it
-//! is turned.
+//! Links that sharp edges and thin walls cut between two cells of the fluid: the same solid is the
+//! same to the fluid as a body, a part that moves and a part that stands still, and a cube's Stokes
+//! drag is right wherever it is and however it is turned.
 
 use crate::common::*;
 use std::f64::consts::PI;
@@ -60,7 +60,8 @@ impl Held {
         scene
     }
 
-    /// Momentum of the fluid and force on the solid, every `every` steps, as long as `goes_on` with the ledger.
+    /// Momentum of the fluid and force on the solid, every `every` steps, as long as `goes_on` with
+    /// the ledger.
     fn run(
         &self,
         kind: As,
@@ -113,8 +114,9 @@ impl Held {
     }
 }
 
-/// Cubes of any placement and turn, plates and rods thinner than a cell, along the axes and slanted: a part that stands still,
-/// one that moves and a body agree to rounding, in the fluid's momentum and in the force.
+/// Cubes of any placement and turn, plates and rods thinner than a cell, along the axes and
+/// slanted: a part that stands still, one that moves and a body agree to rounding, in the fluid's
+/// momentum and in the force.
 #[test]
 fn a_solid_is_the_same_whatever_it_is() {
     let upright = [0.0, 0.0, 0.0, 1.0];
@@ -153,8 +155,9 @@ fn agree(found: [[f64; 3]; 2], expected: [[f64; 3]; 2], bounds: [f64; 2], part: 
     }
 }
 
-/// A plate that covers no cell takes no mass and makes none, however it moves, and its links do not have to pay any back: 1e-13 of
-/// the fluid's in each step. (With each end interpolated by itself it would be 3e-6.)
+/// A plate that covers no cell takes no mass and makes none, however it moves, and its links do not
+/// have to pay any back: 1e-13 of the fluid's in each step. (With each end interpolated by itself
+/// it would be 3e-6.)
 #[test]
 fn links_that_are_cut_keep_the_mass() {
     let turned = [0.02, -0.01, 0.03, 1.0];
@@ -172,13 +175,16 @@ fn links_that_are_cut_keep_the_mass() {
     });
 }
 
-/// Stokes drag over that of a sphere of equal volume, images in a periodic box put back (Hasimoto 1959): 1.065 of a cube
-/// (the estimate of `polyhedra`, from its capacity, itself to 1 %). 12 cells a diameter, any place and turn; within 2 %.
+/// Stokes drag over that of a sphere of equal volume, images in a periodic box put back (Hasimoto
+/// 1959): 1.065 of a cube (the estimate of `polyhedra`, from its capacity, itself to 1 %). 12 cells
+/// a diameter, any place and turn; within 2 %.
 ///
-/// Not among these: upright cubes whose opposite faces both lie less than 0.3 of a cell from a layer of cells outside. They come out
-/// 3.7 % low (1.026), at 24 cells a diameter 0.6 % low. It is not the way of interpolation: the central linear one of Ginzburg,
-/// Verhaeghe and d'Humieres gives 1.031 there. Along an upright edge all distances are the same, and in the cells next to it
-/// the velocity grows as a root of the distance, which no line follows; with edges aslant this averages out.
+/// Not among these: upright cubes whose opposite faces both lie less than 0.3 of a cell from a
+/// layer of cells outside. They come out 3.7 % low (1.026), at 24 cells a diameter 0.6 % low. It is
+/// not the way of interpolation: the central linear one of Ginzburg, Verhaeghe and d'Humieres gives
+/// 1.031 there. Along an upright edge all distances are the same, and in the cells next to it the
+/// velocity grows as a root of the distance, which no line follows; with edges aslant this averages
+/// out.
 #[test]
 fn the_drag_of_a_cube_does_not_depend_on_where_it_is() {
     let (n, diameter) = (30_usize, 12.0);

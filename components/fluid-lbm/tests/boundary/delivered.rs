@@ -40,8 +40,8 @@ fn delivered(case: &Case, scene: &Scene, steps: usize) -> f64 {
     rate(&fluid, 0)
 }
 
-/// A uniform velocity and a parabola, which is worth 4/9 of it over a square: within 0.05 %. Half a per cent to five
-/// were lost beside the walls.
+/// A uniform velocity and a parabola, which is worth 4/9 of it over a square: within 0.05 %. Half a
+/// per cent to five were lost beside the walls.
 #[test]
 fn a_face_between_walls_delivers_what_it_is_told() {
     for scheme in [OpenFaces::Nee, OpenFaces::Nebb] {
@@ -88,9 +88,9 @@ fn walls_of_parts_in_the_face_bound_its_area() {
     }
 }
 
-/// A round rod through the face leaves the area beside it: what crosses the middle is that within 0.2 %, and the sum of the cells'
-/// velocities within 1 %; and a face through which
-/// fluid is drawn out takes as much as the other gives: the mass stays.
+/// A round rod through the face leaves the area beside it: what crosses the middle is that within
+/// 0.2 %, and the sum of the cells' velocities within 1 %; and a face through which fluid is drawn
+/// out takes as much as the other gives: the mass stays.
 #[test]
 fn a_rod_in_the_face_and_a_face_that_draws() {
     let radius = 2.3;
@@ -132,7 +132,8 @@ fn a_rod_in_the_face_and_a_face_that_draws() {
     assert!(drift.abs() < 1e-6, "{masses:?}");
 }
 
-/// The factor follows from what enters, whichever way it goes: a face whose flow turns round delivers both ways.
+/// The factor follows from what enters, whichever way it goes: a face whose flow turns round
+/// delivers both ways.
 #[test]
 fn a_face_that_breathes_delivers_both_ways() {
     let (case, mut scene) = duct([9, 9], OpenFaces::Nee, Profile::Uniform);
@@ -150,7 +151,8 @@ fn a_face_that_breathes_delivers_both_ways() {
             squares[1] += rate(&fluid, 0).powi(2);
         }
     }
-    // A column that swings before an open end: its velocity grows towards that as the cosine of the distance.
+    // A column that swings before an open end: its velocity grows towards that as the cosine of the
+    // distance.
     let wave = 2.0 * PI / period * 3f64.sqrt();
     let grows = (wave * 0.5 * LENGTH as f64).cos() / (wave * LENGTH as f64).cos();
     let error = (squares[1] / squares[0]).sqrt() / grows - 1.0;

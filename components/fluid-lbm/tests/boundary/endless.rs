@@ -1,5 +1,6 @@
-//! Parts that go through periodic faces: plates that slide along themselves, beside Stokes and Couette; what beyond the
-//! domain ends them is no wall; what reaches beyond one face comes in again at the other.
+//! Parts that go through periodic faces: plates that slide along themselves, beside Stokes and
+//! Couette; what beyond the domain ends them is no wall; what reaches beyond one face comes in
+//! again at the other.
 
 use crate::common::*;
 use std::f64::consts::PI;
@@ -38,9 +39,10 @@ fn started(case: &Case, scene: &Scene) -> (LbmFluid, Vec<BodyState>, Vec<Load>) 
     (fluid, bodies, loads)
 }
 
-/// Stokes' second problem with a plate in place of the wall: `u = U exp(-y/d) sin(w t - y/d)`, anywhere between cells,
-/// within 1.5 % of the plate's speed with a d of 4 cells; and the drag of one period on its upper side,
-/// `-mu U sqrt(w/nu) sin(w t + pi/4)`, of its two sides twice that, within 2 % of its amplitude.
+/// Stokes' second problem with a plate in place of the wall: `u = U exp(-y/d) sin(w t - y/d)`,
+/// anywhere between cells, within 1.5 % of the plate's speed with a d of 4 cells; and the drag of
+/// one period on its upper side, `-mu U sqrt(w/nu) sin(w t + pi/4)`, of its two sides twice that,
+/// within 2 % of its amplitude.
 #[test]
 fn an_oscillating_plate_is_that_of_stokes() {
     for (shift, axis) in [(0.0, 0), (0.3, 0), (0.8, 2)] {
@@ -75,7 +77,8 @@ fn an_oscillating_plate_is_that_of_stokes() {
                 let found = fluid.velocity_at([1, k, 1])[axis] / SPEED;
                 worst = worst.max((found - exact).abs());
             }
-            // Of what a step gives this is the mean, half a step earlier; of the solid's own inertia there is none.
+            // Of what a step gives this is the mean, half a step earlier; of the solid's own
+            // inertia there is none.
             let unit = case.viscosity() * SPEED * (omega / case.viscosity()).sqrt();
             let exact = -2.0 * 9.0 * unit * (omega * (t - 0.5) + 0.25 * PI).sin();
             worst_force = worst_force.max((loads[0].force[axis] - exact).abs() / (18.0 * unit));
@@ -86,8 +89,9 @@ fn an_oscillating_plate_is_that_of_stokes() {
     }
 }
 
-/// A shear cell: two plates that slide against each other, the one shorter than the domain at first sight only. Couette's
-/// flow between them, within 0.1 % of their speed, and the same stress on both.
+/// A shear cell: two plates that slide against each other, the one shorter than the domain at first
+/// sight only. Couette's flow between them, within 0.1 % of their speed, and the same stress on
+/// both.
 #[test]
 fn two_plates_make_a_shear_cell() {
     let case = Case::new([4, 30, 4], [PERIODIC, WALL, PERIODIC], 0.9);
@@ -117,8 +121,9 @@ fn two_plates_make_a_shear_cell() {
     assert!((loads[1].force[0] / above - 1.0).abs() < 2e-3, "{} {above}", loads[1].force[0]);
 }
 
-/// Fluid through a pipe that is longer than the domain, just as long, or ends a hair beyond it: Poiseuille's flow, the
-/// same to the last bits, and the same force on the pipe. Its ends are nowhere.
+/// Fluid through a pipe that is longer than the domain, just as long, or ends a hair beyond it:
+/// Poiseuille's flow, the same to the last bits, and the same force on the pipe. Its ends are
+/// nowhere.
 #[test]
 fn a_pipe_has_no_ends() {
     let flow = |length: f64, middle: f64| {
@@ -151,7 +156,8 @@ fn a_pipe_has_no_ends() {
     }
 }
 
-/// A part that reaches beyond one periodic face, still or as a body at rest, is what it is in the middle of the domain.
+/// A part that reaches beyond one periodic face, still or as a body at rest, is what it is in the
+/// middle of the domain.
 #[test]
 fn what_leaves_at_one_face_comes_in_at_the_other() {
     let drag = |position: [f64; 3], moves: bool| {
@@ -186,8 +192,9 @@ fn what_leaves_at_one_face_comes_in_at_the_other() {
     }
 }
 
-/// A rod along a periodic axis that turns, slides and comes across cells: the torque of one period is
-/// `4 pi mu R1^2 R2^2 w / (R2^2 - R1^2)` in a tube, within 3 %, and the push along it `2 pi mu U / ln(R2/R1)`.
+/// A rod along a periodic axis that turns, slides and comes across cells: the torque of one period
+/// is `4 pi mu R1^2 R2^2 w / (R2^2 - R1^2)` in a tube, within 3 %, and the push along it `2 pi mu U
+/// / ln(R2/R1)`.
 #[test]
 fn a_rod_turns_in_a_tube() {
     let case = Case::new([4, 40, 40], [PERIODIC, WALL, WALL], 0.9);
@@ -234,7 +241,8 @@ fn a_rod_turns_in_a_tube() {
     assert!((mean[1] / torque - 1.0).abs() < 0.03, "{} {torque}", mean[1]);
 }
 
-/// A plate across cells, up and down: what it displaces closes, and its buoyancy is that of one period.
+/// A plate across cells, up and down: what it displaces closes, and its buoyancy is that of one
+/// period.
 #[test]
 fn a_plate_moves_across_itself() {
     let mut case = Case::new([5, 30, 4], [PERIODIC, WALL, PERIODIC], 0.8);

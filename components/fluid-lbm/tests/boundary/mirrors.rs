@@ -124,8 +124,8 @@ fn a_sphere_cut_in_half_feels_what_the_whole_one_does() {
     assert!((mass - 2.0 * half_mass).abs() < 1e-9);
 }
 
-/// A quarter of a duct around a quarter of a box, between two mirrors, gives the load on the whole box:
-/// that in the whole duct, 1e-12 of the force. A part beside the mirrors keeps its own.
+/// A quarter of a duct around a quarter of a box, between two mirrors, gives the load on the whole
+/// box: that in the whole duct, 1e-12 of the force. A part beside the mirrors keeps its own.
 #[test]
 fn a_part_that_mirrors_cut_counts_whole() {
     let loads = |quarter: bool| {

@@ -1,11 +1,12 @@
-//! A plate all but touches the centres of the last layer of cells before it, in fluids of small viscosity: sound between
-//! it and the floor must not grow.
+//! A plate all but touches the centres of the last layer of cells before it, in fluids of small
+//! viscosity: sound between it and the floor must not grow.
 
 use crate::common::*;
 use tremie_fluid_lbm::Collision;
 use tremie_messages::scene::Geometry;
 
-/// Largest deviation of the density in a box with a plate at a height above its floor [cells], soon and long after its fluid set out.
+/// Largest deviation of the density in a box with a plate at a height above its floor [cells], soon
+/// and long after its fluid set out.
 fn rings(height: f64, tau: f64, smagorinsky: f64) -> [f64; 2] {
     let mut case = Case::new([32, 16, 14], [WALL; 3], tau);
     case.collision = Collision::Bgk;
@@ -25,8 +26,9 @@ fn rings(height: f64, tau: f64, smagorinsky: f64) -> [f64; 2] {
     })
 }
 
-/// At the start it is about 1e-3. Walls keep the mass, so nothing else than sound is left in the end. With walls where they are, it grows to 1e-2 and more in most of these, or to no number
-/// at all.
+/// At the start it is about 1e-3. Walls keep the mass, so nothing else than sound is left in the
+/// end. With walls where they are, it grows to 1e-2 and more in most of these, or to no number at
+/// all.
 #[test]
 fn sound_between_near_walls_dies_down() {
     for (tau, smagorinsky, heights) in [

@@ -40,8 +40,8 @@ fn closes_to(fluid: &LbmFluid, momentum: f64, mass: f64) {
 }
 
 /// Flow between walls by a difference of pressure, `u = dp/dx y (H - y)/(2 mu)`, the pressures
-/// holding at the centres of the end cells: to 0.5 % of the peak in the middle of the channel, which
-/// is the effect of compressibility and of the ends.
+/// holding at the centres of the end cells: to 0.5 % of the peak in the middle of the channel,
+/// which is the effect of compressibility and of the ends.
 #[test]
 fn poiseuille_by_pressure() {
     for scheme in SCHEMES {
@@ -145,8 +145,8 @@ fn a_uniform_stream_stays() {
     }
 }
 
-/// Faces follow their courses: the pressure of a closed pipe comes to that of its end, 1e-6 after the
-/// waves have died down.
+/// Faces follow their courses: the pressure of a closed pipe comes to that of its end, 1e-6 after
+/// the waves have died down.
 #[test]
 fn a_course_is_followed() {
     let mut case = Case::new([20, 4, 4], [WALL, PERIODIC, PERIODIC], 1.5);
@@ -184,8 +184,8 @@ fn fluid_that_enters_at_a_pressure_enters_straight() {
 }
 
 /// A pulse of sound runs into the end of a pipe: a pressure throws all of it back, inverted (more
-/// than 90 % of its height, viscosity taking a little), one that absorbs less than 3 %, a convective one less than a third; along
-/// each axis and in either direction, in both schemes.
+/// than 90 % of its height, viscosity taking a little), one that absorbs less than 3 %, a
+/// convective one less than a third; along each axis and in either direction, in both schemes.
 #[test]
 fn sound_leaves_through_an_absorbing_face() {
     let (sound, height, length) = ((1.0_f64 / 3.0).sqrt(), 1e-4, 160);
@@ -227,8 +227,8 @@ fn sound_leaves_through_an_absorbing_face() {
 }
 
 /// A stream that starts at once rings between its inlet and a pressure for long; with an absorbing
-/// face it has come to rest at the given pressure and speed, to 1 % of the sound at the start, when the
-/// plain one still has half of that.
+/// face it has come to rest at the given pressure and speed, to 1 % of the sound at the start, when
+/// the plain one still has half of that.
 #[test]
 fn a_channel_with_an_absorbing_end_does_not_ring() {
     let (speed, given) = (0.01, 2e-3);
@@ -255,9 +255,10 @@ fn a_channel_with_an_absorbing_end_does_not_ring() {
     assert!(ringing[0] > 0.5 && ringing[1] < 0.01, "{ringing:?}");
 }
 
-/// A vortex that a stream carries out of the domain leaves behind less than 3 % of its largest velocity and of its depth in pressure
-/// if the face is convective, against what a domain three times as long has in the same cells; through a face that holds the pressure,
-/// or absorbs sound, more than ten times as much velocity and five times the pressure.
+/// A vortex that a stream carries out of the domain leaves behind less than 3 % of its largest
+/// velocity and of its depth in pressure if the face is convective, against what a domain three
+/// times as long has in the same cells; through a face that holds the pressure, or absorbs sound,
+/// more than ten times as much velocity and five times the pressure.
 #[test]
 fn a_vortex_leaves_through_a_convective_face() {
     let (speed, swirl, radius, length, height) = (0.05, 0.02, 6.0, 80, 64);
@@ -310,8 +311,9 @@ fn a_vortex_leaves_through_a_convective_face() {
     }
 }
 
-/// A stream between walls that enters as a parabola leaves as one, with the given pressure at the end to 1e-4: velocities to 1 % of the peak,
-/// one cell inside the face as in the middle, mass in and out alike to 1e-6.
+/// A stream between walls that enters as a parabola leaves as one, with the given pressure at the
+/// end to 1e-4: velocities to 1 % of the peak, one cell inside the face as in the middle, mass in
+/// and out alike to 1e-6.
 #[test]
 fn a_channel_ends_at_a_convective_face() {
     let (height, length, peak, given) = (12, 40, 0.02, 1e-3);

@@ -1,4 +1,5 @@
-//! Walls of the domain whose velocity changes with time, beside the solutions of Stokes and of Couette's start.
+//! Walls of the domain whose velocity changes with time, beside the solutions of Stokes and of
+//! Couette's start.
 
 use crate::common::*;
 use std::f64::consts::PI;
@@ -7,7 +8,8 @@ use tremie_messages::scene::{Course, Face, Scene, Sine};
 
 const SPEED: f64 = 0.01;
 
-/// A layer between two walls across an axis, periodic along the others; the lower one moves along the next axis.
+/// A layer between two walls across an axis, periodic along the others; the lower one moves along
+/// the next axis.
 fn layer(axis: usize, height: usize, tau: f64, course: Course) -> (Case, Scene) {
     let mut case = Case::new([3; 3], [PERIODIC; 3], tau);
     (case.cells[axis], case.faces[axis]) = (height, WALL);
@@ -28,9 +30,9 @@ fn profile(fluid: &LbmFluid, axis: usize) -> Vec<f64> {
     (0..height).map(at).collect()
 }
 
-/// Stokes' second problem: `u = U exp(-y/d) sin(w t - y/d)`, `d = sqrt(2 nu/w)`, in a layer of 8 d, at any time of the
-/// last of 24 periods, when the start is forgotten; within 0.1 % of the wall's speed with a d of
-/// 3 cells and of 5.
+/// Stokes' second problem: `u = U exp(-y/d) sin(w t - y/d)`, `d = sqrt(2 nu/w)`, in a layer of 8 d,
+/// at any time of the last of 24 periods, when the start is forgotten; within 0.1 % of the wall's
+/// speed with a d of 3 cells and of 5.
 #[test]
 fn an_oscillating_wall_is_that_of_stokes() {
     let error = |axis: usize, cells: f64| {
@@ -59,8 +61,8 @@ fn an_oscillating_wall_is_that_of_stokes() {
     }
 }
 
-/// Couette's flow as it starts at once, and along a ramp: the series of the diffusion equation, within 0.5 % of the
-/// wall's speed from a twentieth of the time of diffusion on.
+/// Couette's flow as it starts at once, and along a ramp: the series of the diffusion equation,
+/// within 0.5 % of the wall's speed from a twentieth of the time of diffusion on.
 #[test]
 fn couette_starts_as_diffusion_says() {
     let (height, tau) = (20usize, 0.9);

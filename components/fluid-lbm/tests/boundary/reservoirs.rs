@@ -5,7 +5,8 @@ use crate::common::*;
 use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, ReservoirState};
 use tremie_messages::scene::{Course, Face, Geometry, Outflow, Reservoir, ReservoirMode, Scene};
 
-/// A tube of `length` cells and one across, with a reservoir of `cells` cells at one end of the axis.
+/// A tube of `length` cells and one across, with a reservoir of `cells` cells at one end of the
+/// axis.
 struct Tube {
     axis: usize,
     side: usize,
@@ -86,8 +87,8 @@ fn nothing_is_lost_between_piston_and_domain() {
     assert!(error < 1e-11, "{error:e}");
 }
 
-/// A closed column that a slow piston compresses: the density is `(V_dom + V_0)/(V_dom + V_0 - A H)`,
-/// within 1e-4 of the compression, everywhere, while the piston moves.
+/// A closed column that a slow piston compresses: the density is `(V_dom + V_0)/(V_dom + V_0 - A
+/// H)`, within 1e-4 of the compression, everywhere, while the piston moves.
 #[test]
 fn a_slow_piston_compresses_a_closed_column() {
     let (length, reservoir, speed) = (60, 83.0, 1e-4);
@@ -110,8 +111,8 @@ fn a_slow_piston_compresses_a_closed_column() {
     }
 }
 
-/// A tube that is open at the far end passes what the piston displaces: the mean velocity at the face
-/// is the piston's within 0.1 %.
+/// A tube that is open at the far end passes what the piston displaces: the mean velocity at the
+/// face is the piston's within 0.1 %.
 #[test]
 fn a_steady_flow_is_as_fast_as_the_piston() {
     let mut fluid = Tube::new(40, 0.6, OUTLET).fluid(200.0, |r| {
@@ -128,8 +129,8 @@ fn a_steady_flow_is_as_fast_as_the_piston() {
     assert!((mean / 2e-3 - 1.0).abs() < 1e-3, "{mean}");
 }
 
-/// The reservoir's fluid is a spring, that of the tube a mass on it: `k L tan(k L) = L/L_v`, `T = 2 pi
-/// L/(k L c_s)`, the period within 0.5 %.
+/// The reservoir's fluid is a spring, that of the tube a mass on it: `k L tan(k L) = L/L_v`, `T = 2
+/// pi L/(k L c_s)`, the period within 0.5 %.
 #[test]
 fn a_tube_resonates_with_its_reservoir() {
     for reservoir in [240.0, 830.0] {
@@ -239,8 +240,9 @@ fn smooth_ramp(steps: f64) -> Course {
     Course::Points((0..=200).map(point).collect())
 }
 
-/// A piston that has stopped leaves a compliance `V/(rho c_s^2)`: what flows out lowers the pressure by
-/// its volume over that (within 1 %, the square of the compression), and flow stops with the pressure.
+/// A piston that has stopped leaves a compliance `V/(rho c_s^2)`: what flows out lowers the
+/// pressure by its volume over that (within 1 %, the square of the compression), and flow stops
+/// with the pressure.
 #[test]
 fn a_piston_at_rest_is_a_spring() {
     let tube = Tube { width: 8, sides: WALL, ..Tube::new(30, 0.8, OUTLET) };

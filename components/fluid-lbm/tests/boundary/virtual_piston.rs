@@ -1,5 +1,5 @@
-//! A reservoir against what it stands for: a piston that moves through the fluid, and drives it through
-//! an orifice (after Mutabaruka & Kamrin, Figs. 9 and 10, smaller).
+//! A reservoir against what it stands for: a piston that moves through the fluid, and drives it
+//! through an orifice (after Mutabaruka & Kamrin, Figs. 9 and 10, smaller).
 
 use crate::common::*;
 use tremie_fluid_lbm::{Collision, LbmFluid, Refill};
@@ -96,7 +96,8 @@ fn behind_a_piston(sides: Face) -> Vec<[f64; 2]> {
     (0..STEPS).map(step).collect()
 }
 
-/// Between mirrors: mean velocity within 0.2 % of the piston's in both, mean pressure of both within 0.5 %.
+/// Between mirrors: mean velocity within 0.2 % of the piston's in both, mean pressure of both
+/// within 0.5 %.
 #[test]
 fn a_reservoir_stands_for_a_piston() {
     a_reservoir_does_as_a_piston(&SYMMETRY, [2e-3, 5e-3]);
@@ -108,8 +109,8 @@ fn a_reservoir_stands_for_a_piston_between_walls() {
     a_reservoir_does_as_a_piston(&WALL, [3e-3, 1e-2]);
 }
 
-/// Compares mean velocities with the piston's and mean pressures with each other, once the ramp is over;
-/// while it lasts the pressures rise together (their correlation is above 0.999).
+/// Compares mean velocities with the piston's and mean pressures with each other, once the ramp is
+/// over; while it lasts the pressures rise together (their correlation is above 0.999).
 fn a_reservoir_does_as_a_piston(sides: &Face, [most, most_of_pressure]: [f64; 2]) {
     let [virtually, really] = [behind_a_reservoir(sides.clone()), behind_a_piston(sides.clone())];
     let mean = |run: &[[f64; 2]], k: usize| {

@@ -185,8 +185,8 @@ pub struct SteadyDrag {
     pub superficial: f64,
 }
 
-/// Drag on a body held at a position in a periodic box, whose fluid is accelerated along x, when the flow changes by
-/// less than 1e-4 in 100 steps.
+/// Drag on a body held at a position in a periodic box, whose fluid is accelerated along x, when
+/// the flow changes by less than 1e-4 in 100 steps.
 pub fn steady_drag(case: &Case, scene: &Scene, event: BodyEvent, position: [f64; 3]) -> SteadyDrag {
     let mut fluid = case.fluid_of(scene);
     let body = [BodyState::at_rest(event.id, position)];

@@ -61,8 +61,8 @@ fn locked(gap: Option<Gap>, height: f64, steps: usize) -> (LbmFluid, Load, f64) 
     (fluid, loads[0], flow)
 }
 
-/// Below `open_at` nothing flows and the slot is solid; above it the flow is that without a declaration, to
-/// the bit; in between, an undeclared slot of one layer of cells flows.
+/// Below `open_at` nothing flows and the slot is solid; above it the flow is that without a
+/// declaration, to the bit; in between, an undeclared slot of one layer of cells flows.
 #[test]
 fn a_slot_is_shut_until_it_opens() {
     for height in [0.3, 1.2, 1.45] {
@@ -85,8 +85,8 @@ fn a_slot_is_shut_until_it_opens() {
     }
 }
 
-/// The pressure of a shut slot acts on the plate's underside, 48 cells, by its rule: to 1.5 %, which is
-/// what the links at its two edges, from chambers, weigh.
+/// The pressure of a shut slot acts on the plate's underside, 48 cells, by its rule: to 1.5 %,
+/// which is what the links at its two edges, from chambers, weigh.
 #[test]
 fn a_shut_slot_presses_by_its_rule() {
     let probes = |weights: [f64; 2]| {
@@ -126,9 +126,9 @@ fn a_region_limits_a_gap() {
     assert_eq!(shut, (10..22).collect::<Vec<_>>());
 }
 
-/// A box with a hollow of 5 x 5 x 2 cells in its underside, near the floor: once the rim's gap is shut, the
-/// hollow is a pocket and frozen, and nothing else; when the rim opens it is fluid again, and the box of
-/// 5900 cells misses less than 0.1 of them.
+/// A box with a hollow of 5 x 5 x 2 cells in its underside, near the floor: once the rim's gap is
+/// shut, the hollow is a pocket and frozen, and nothing else; when the rim opens it is fluid again,
+/// and the box of 5900 cells misses less than 0.1 of them.
 #[test]
 fn a_pocket_is_frozen() {
     let mut case = Case::new([20, 20, 16], [WALL; 3], 0.7);
@@ -180,8 +180,9 @@ fn a_pocket_is_frozen() {
     assert!(drift.abs() < 0.1, "{drift}");
 }
 
-/// A plate that is pressed into the floor, half a cell deep, presses no fluid out: there is none. (What would be paid
-/// for that in the chambers feeds their sound, when a seal trembles on its seat.) A little higher it does.
+/// A plate that is pressed into the floor, half a cell deep, presses no fluid out: there is none.
+/// (What would be paid for that in the chambers feeds their sound, when a seal trembles on its
+/// seat.) A little higher it does.
 #[test]
 fn what_is_in_contact_presses_nothing_out() {
     let pressed_out = |height: f64| {
@@ -276,8 +277,9 @@ fn a_slot_draws_from_where_its_pressure_is_measured() {
     }
 }
 
-/// A plate sinks on the floor under a load, in a fluid of lattice viscosity 2e-4, from 3.6 cells, with walls
-/// that slip in thin gaps or not. The balance closes in either case. Steps until it is at 1.25 cells.
+/// A plate sinks on the floor under a load, in a fluid of lattice viscosity 2e-4, from 3.6 cells,
+/// with walls that slip in thin gaps or not. The balance closes in either case. Steps until it is
+/// at 1.25 cells.
 fn sinks(slip_below: f64) -> Option<usize> {
     let mut case = Case::new([40, 4, 16], [WALL, SYMMETRY, WALL], 0.5006);
     case.collision = tremie_fluid_lbm::Collision::Bgk;
@@ -312,8 +314,8 @@ fn sinks(slip_below: f64) -> Option<usize> {
     None
 }
 
-/// Walls that slip let it down in 2200 steps of 3000; where they hold the fluid it hangs at two cells, then at
-/// one and a half.
+/// Walls that slip let it down in 2200 steps of 3000; where they hold the fluid it hangs at two
+/// cells, then at one and a half.
 #[test]
 fn a_plate_comes_down_where_walls_slip() {
     let (slipping, held) = (sinks(3.5), sinks(0.0));
@@ -347,8 +349,8 @@ fn gaps_that_make_no_sense_are_refused() {
     refused(|gap| gap.region = Some(GapRegion::Box { min: [1.0; 3], max: [0.0; 3] }), "region");
 }
 
-/// Largest deviation of the density some time after a knock at a plate near the floor of a box, all but without
-/// viscosity, in a gap of a height that slips.
+/// Largest deviation of the density some time after a knock at a plate near the floor of a box, all
+/// but without viscosity, in a gap of a height that slips.
 fn rings_after_a_knock(height: f64) -> f64 {
     let mut case = Case::new([32, 16, 14], [WALL; 3], 0.500008);
     case.collision = tremie_fluid_lbm::Collision::Bgk;
@@ -373,8 +375,9 @@ fn rings_after_a_knock(height: f64) -> f64 {
     seen.max_density_deviation.max(-seen.min_density_deviation)
 }
 
-/// Wherever the plate is between two layers of cells, the sound of a knock, which is about 1e-3, dies down. (With
-/// links straight at the plate interpolated, it stays at 3e-3 to 5e-3 in some of these gaps.)
+/// Wherever the plate is between two layers of cells, the sound of a knock, which is about 1e-3,
+/// dies down. (With links straight at the plate interpolated, it stays at 3e-3 to 5e-3 in some of
+/// these gaps.)
 #[test]
 fn a_gap_that_slips_does_not_ring() {
     for height in [1.6, 2.6, 3.3, 4.3] {
@@ -384,8 +387,8 @@ fn a_gap_that_slips_does_not_ring() {
     }
 }
 
-/// Around a ball in a bowl the axis across the gap changes from cell to cell. Each link slips with one image, and
-/// has that to itself: no mass is made, and it is the same whoever reflects first.
+/// Around a ball in a bowl the axis across the gap changes from cell to cell. Each link slips with
+/// one image, and has that to itself: no mass is made, and it is the same whoever reflects first.
 #[test]
 fn a_gap_around_a_ball_makes_no_mass() {
     let mut case = Case::new([26; 3], [WALL; 3], 0.502);
@@ -465,7 +468,8 @@ fn links_that_slip_are_kept_rightly() {
     assert_eq!(kept, crossed(3, false));
 }
 
-/// Force on a sphere that is held in a stream between floor and roof of the given kind, which may slip.
+/// Force on a sphere that is held in a stream between floor and roof of the given kind, which may
+/// slip.
 fn held_in_a_stream(face: Face, slip_below: f64) -> [f64; 3] {
     let mut case = Case::new([24, 8, 7], [PERIODIC, PERIODIC, face], 0.502);
     case.velocity = [0.02, 0.0, 0.0];
@@ -485,8 +489,8 @@ fn held_in_a_stream(face: Face, slip_below: f64) -> [f64; 3] {
     loads[0].force
 }
 
-/// Walls of a thin gap that slip are mirrors, and a sphere between them is none: it is held as between
-/// planes of symmetry, to rounding.
+/// Walls of a thin gap that slip are mirrors, and a sphere between them is none: it is held as
+/// between planes of symmetry, to rounding.
 #[test]
 fn what_is_in_a_slipping_gap_does_not_slip() {
     let (slipping, mirrored) = (held_in_a_stream(WALL, 8.0), held_in_a_stream(SYMMETRY, 0.0));

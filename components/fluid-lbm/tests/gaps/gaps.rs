@@ -7,8 +7,8 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 
 const PRESSURE: f64 = 1e-3;
 
-/// Loads on bodies and on parts that stand still after some steps in a fluid under pressure, nothing
-/// moving; and the impulse that gaps gave.
+/// Loads on bodies and on parts that stand still after some steps in a fluid under pressure,
+/// nothing moving; and the impulse that gaps gave.
 fn pressed(
     gaps: GapPressure,
     change: impl Fn(&mut Scene),
@@ -46,8 +46,8 @@ fn is_near(found: [f64; 3], expected: [f64; 3]) {
     }
 }
 
-/// A block of 36 cells' footprint 0.3 cells above the floor feels the pressure on its underside too,
-/// or does not; one that stands on it does not in either case: 1e-13.
+/// A block of 36 cells' footprint 0.3 cells above the floor feels the pressure on its underside
+/// too, or does not; one that stands on it does not in either case: 1e-13.
 #[test]
 fn a_block_above_the_floor() {
     for (gaps, gap, expected) in [
@@ -101,8 +101,8 @@ fn bodies_near_each_other() {
     }
 }
 
-/// A sphere on the floor, one near it, and one near it that a mirror cuts in half feel gauge pressure
-/// only: nothing but what the touching cells hide.
+/// A sphere on the floor, one near it, and one near it that a mirror cuts in half feel gauge
+/// pressure only: nothing but what the touching cells hide.
 #[test]
 fn spheres_near_the_floor() {
     let mirror = |scene: &mut Scene| scene.domain.faces[0][0] = Face::Symmetry;

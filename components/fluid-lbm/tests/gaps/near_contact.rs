@@ -37,8 +37,8 @@ fn two_spheres_one_cell_apart_stay_finite() {
     }
 }
 
-/// Cells of a plate that moves by less than `part_step`, and so is where its links were found but for a shift, are
-/// held by spheres too: each link there is one body's, neither of two nor of none.
+/// Cells of a plate that moves by less than `part_step`, and so is where its links were found but
+/// for a shift, are held by spheres too: each link there is one body's, neither of two nor of none.
 #[test]
 fn each_link_belongs_to_one_body() {
     let mut dice = Dice(11);
@@ -72,7 +72,8 @@ fn each_link_belongs_to_one_body() {
     }
 }
 
-/// Links from fluid cells into others, in a box that is periodic along x, mirrored along y and walled along z.
+/// Links from fluid cells into others, in a box that is periodic along x, mirrored along y and
+/// walled along z.
 fn links_into_bodies(fluid: &LbmFluid) -> usize {
     let n = fluid.cells().map(|n| n as i32);
     let is_solid = |at: [usize; 3]| fluid.node(at).solid;

@@ -5,7 +5,8 @@ use tremie_fluid_lbm::LbmFluid;
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Geometry, Scene};
 
-/// Odd numbers of cells: between walls an even number apart a box itself has a wave of two steps that nothing damps.
+/// Odd numbers of cells: between walls an even number apart a box itself has a wave of two steps
+/// that nothing damps.
 const BOX: [usize; 3] = [29, 27, 31];
 const RADIUS: f64 = 4.0;
 
@@ -18,8 +19,8 @@ fn speeds(fluid: &LbmFluid) -> [f64; 2] {
     [all[all.len() - 1], all[all.len() / 2]]
 }
 
-/// Grains of 8 cells across come down to their places through a fluid that moves; then the fluid comes to rest. Where any cell
-/// rings, it keeps the speed of 1e-3 that all had at the start.
+/// Grains of 8 cells across come down to their places through a fluid that moves; then the fluid
+/// comes to rest. Where any cell rings, it keeps the speed of 1e-3 that all had at the start.
 fn comes_to_rest(name: &str, case: &Case, scene: &Scene, grains: &[[f64; 3]]) {
     let mut fluid = case.fluid_of(scene);
     let drop = 1.5;
@@ -89,7 +90,8 @@ fn grains_that_touch() {
     comes_to_rest("corner", &case, &case.scene(), &corner);
 }
 
-/// On a block that stands aslant, interpolated or not; and in nooks between blocks without any grain.
+/// On a block that stands aslant, interpolated or not; and in nooks between blocks without any
+/// grain.
 #[test]
 fn nooks_of_parts() {
     for walls in [tremie_fluid_lbm::Walls::Bouzidi, tremie_fluid_lbm::Walls::Halfway] {

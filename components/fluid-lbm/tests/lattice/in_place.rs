@@ -1,6 +1,6 @@
 //! The solver in place against a plain one with two arrays, written independently: random spheres
-//! with moving surfaces, some overlapping, some cut by mirrors, walls, a sliding face, a body force,
-//! every mix of faces.
+//! with moving surfaces, some overlapping, some cut by mirrors, walls, a sliding face, a body
+//! force, every mix of faces.
 //!
 //! Tolerance: 1e-14 in populations of order 1e-2, which is rounding (the collisions are written in
 //! different order); forces 1e-13.
@@ -129,8 +129,8 @@ impl Plain {
         }
     }
 
-    /// The link `i` of a cell into a sphere at `to`; through a mirror it is reckoned as the mirrored
-    /// link of the mirrored cell.
+    /// The link `i` of a cell into a sphere at `to`; through a mirror it is reckoned as the
+    /// mirrored link of the mirrored cell.
     fn reflect(&mut self, at: [i64; 3], to: [i64; 3], i: usize, mirrors: u8) -> f64 {
         let g = self.g[self.index(at)];
         let seen: [i64; 3] = std::array::from_fn(|a| match mirrors >> a & 1 {
@@ -178,6 +178,53 @@ impl Plain {
     }
 }
 
+/// Six spheres of different sizes that move and turn.
+fn random_spheres(dice: &mut Dice, cells: [usize; 3]) -> Vec<Sphere> {
+    let mut vector = |most: f64| std::array::from_fn(|_| dice.between(-most, most));
+    (0..6)
+        .map(|id| {
+            let offset: [f64; 3] = vector(0.5);
+            let position = std::array::from_fn(|a| (0.5 + offset[a]) * cells[a] as f64);
+            let mut state = BodyState::at_rest(id, position);
+            (state.velocity, state.angular_velocity) = (vector(0.02), vector(0.005));
+            Sphere { radius: 0.4 + 0.6 * id as f64 + 0.1, state }
+        })
+        .collect()
+}
+
+impl Plain {
+    /// Checks that all cells are solid or have the same populations.
+    fn agrees(&self, fluid: &LbmFluid, step: usize) {
+        for (k, cell) in cells(fluid).enumerate() {
+            let solid = !self.fluid(cell.map(|k| k as i64));
+            assert_eq!(fluid.node(cell).solid, solid);
+            if !solid {
+                let h = fluid.populations_at(cell);
+                for i in 0..Q {
+                    let error = (h[i] - self.h[k][i]).abs();
+                    assert!(error < 1e-14, "step {step} {cell:?} {i}: {} {}", h[i], self.h[k][i]);
+                }
+            }
+        }
+    }
+
+    /// Force and torque on a whole sphere, of which a mirror may show half.
+    fn whole_load(&self, s: usize) -> [[f64; 3]; 2] {
+        let (mut force, mut torque) = (self.force[s], self.torque[s]);
+        for axis in (0..3).filter(|&axis| self.case.faces[axis] == SYMMETRY) {
+            let (x, n) = (self.spheres[s].state.position[axis], self.case.cells[axis] as f64);
+            if x.min(n - x).abs() < self.spheres[s].radius {
+                // The half behind the mirror.
+                for a in 0..3 {
+                    force[a] *= if a == axis { 0.0 } else { 2.0 };
+                    torque[a] *= if a == axis { 2.0 } else { 0.0 };
+                }
+            }
+        }
+        [force, torque]
+    }
+}
+
 fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u64) {
     let mut dice = Dice(seed);
     let mut case = Case::new(cells, faces.clone(), 0.7);
@@ -186,18 +233,9 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
     case.collision = Collision::Bgk;
     case.acceleration = [1e-4, -2e-4, 5e-5];
     case.velocity = [0.02, 0.01, -0.01];
-    let mut vector = |most: f64| std::array::from_fn(|_| dice.between(-most, most));
     let lid = [0.03, -0.02, 0.0];
     case.lid = (2, lid);
-    let mut spheres: Vec<Sphere> = (0..6)
-        .map(|id| {
-            let offset: [f64; 3] = vector(0.5);
-            let position = std::array::from_fn(|a| (0.5 + offset[a]) * cells[a] as f64);
-            let mut state = BodyState::at_rest(id, position);
-            (state.velocity, state.angular_velocity) = (vector(0.02), vector(0.005));
-            Sphere { radius: 0.4 + 0.6 * id as f64 + 0.1, state }
-        })
-        .collect();
+    let mut spheres = random_spheres(&mut dice, cells);
     // One that a mirror cuts in the middle.
     for a in 0..3 {
         if faces[a] == SYMMETRY {
@@ -230,31 +268,11 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
         fluid.step(&states, &mut loads).unwrap();
         plain.collide();
         plain.stream();
-        for (k, cell) in crate::common::cells(&fluid).enumerate() {
-            let solid = !plain.fluid(cell.map(|k| k as i64));
-            assert_eq!(fluid.node(cell).solid, solid);
-            if !solid {
-                let h = fluid.populations_at(cell);
-                for i in 0..Q {
-                    let error = (h[i] - plain.h[k][i]).abs();
-                    assert!(error < 1e-14, "step {step} {cell:?} {i}: {} {}", h[i], plain.h[k][i]);
-                }
-            }
-        }
+        plain.agrees(&fluid, step);
         for (s, load) in loads.iter().enumerate() {
             // Load that the mean pressure gradient adds.
             let volume = 4.0 / 3.0 * std::f64::consts::PI * plain.spheres[s].radius.powi(3);
-            let (mut expected, mut torque) = (plain.force[s], plain.torque[s]);
-            for axis in (0..3).filter(|&axis| plain.case.faces[axis] == SYMMETRY) {
-                let (x, n) = (plain.spheres[s].state.position[axis], cells[axis] as f64);
-                if x.min(n - x).abs() < plain.spheres[s].radius {
-                    // The half behind the mirror.
-                    for a in 0..3 {
-                        expected[a] *= if a == axis { 0.0 } else { 2.0 };
-                        torque[a] *= if a == axis { 2.0 } else { 0.0 };
-                    }
-                }
-            }
+            let [expected, torque] = plain.whole_load(s);
             for a in 0..3 {
                 let force = load.force[a] - volume * plain.case.acceleration[a];
                 assert!((force - expected[a]).abs() < 2e-13, "{s} {a}: {force} {}", expected[a]);

@@ -5,7 +5,26 @@
 use crate::common::*;
 use tremie_fluid_lbm::{Collision, Precision, Refill, Variant};
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Course, Face, Geometry, Motion, Outflow};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, Outflow, Scene};
+
+/// Adds turbulence, open faces, mirrors, and parts that stand and move.
+fn enrich(case: &mut Case, scene: &mut Scene) {
+    case.smagorinsky = 0.15;
+    case.refill = Refill::Mass;
+    let course = Course::default();
+    scene.domain.faces[0] = [
+        Face::Pressure { pressure: 1e-3, course: course.clone(), outflow: Outflow::Fixed },
+        Face::Pressure { pressure: 0.0, course: course.clone(), outflow: Outflow::Absorbing },
+    ];
+    scene.domain.faces[1][1] =
+        Face::Pressure { pressure: 0.0, course, outflow: Outflow::Convective };
+    scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
+    let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };
+    scene.parts.push(part("rod", rod, [30.2, 10.3, 9.0]));
+    let mut stirrer = part("stirrer", Geometry::Box { size: [4.2, 1.3, 2.2] }, [0.0; 3]);
+    stirrer.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(stirrer);
+}
 
 /// Every bit of loads, balance and populations of a run.
 fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> Vec<u64> {
@@ -18,21 +37,7 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
     case.velocity = [0.01, 0.0, 0.02];
     let mut scene = case.scene();
     if rich {
-        case.smagorinsky = 0.15;
-        case.refill = Refill::Mass;
-        let course = Course::default();
-        scene.domain.faces[0] = [
-            Face::Pressure { pressure: 1e-3, course: course.clone(), outflow: Outflow::Fixed },
-            Face::Pressure { pressure: 0.0, course: course.clone(), outflow: Outflow::Absorbing },
-        ];
-        scene.domain.faces[1][1] =
-            Face::Pressure { pressure: 0.0, course, outflow: Outflow::Convective };
-        scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
-        let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };
-        scene.parts.push(part("rod", rod, [30.2, 10.3, 9.0]));
-        let mut stirrer = part("stirrer", Geometry::Box { size: [4.2, 1.3, 2.2] }, [0.0; 3]);
-        stirrer.motion = Motion::Prescribed(Vec::new());
-        scene.parts.push(stirrer);
+        enrich(&mut case, &mut scene);
     }
     let mut fluid = case.fluid_of(&scene);
     let mut bodies: Vec<BodyState> = (0..9)
@@ -81,8 +86,8 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
     bits
 }
 
-/// Every bit of the balance and of the populations of a box whose rows end where lines of 64 bytes do, with a sphere that
-/// moves at their end.
+/// Every bit of the balance and of the populations of a box whose rows end where lines of 64 bytes
+/// do, with a sphere that moves at their end.
 fn bits_of_rows(case: &Case) -> Vec<u64> {
     let mut fluid = case.fluid_of(&case.scene());
     let mut bodies = [BodyState::at_rest(1, [46.3, 2.7, 2.1])];

@@ -3,7 +3,8 @@
 use crate::common::*;
 use tremie_fluid_lbm::{Collision, LbmFluid};
 
-/// A vortex on `n` cubed cells at a speed, and its kinetic energy after each tenth of a time `n/speed`.
+/// A vortex on `n` cubed cells at a speed, and its kinetic energy after each tenth of a time
+/// `n/speed`.
 fn energies(n: usize, speed: f64, viscosity: f64, smagorinsky: f64) -> (Vec<f64>, LbmFluid) {
     let mut case = Case::new([n; 3], [PERIODIC; 3], 0.5 + 3.0 * viscosity);
     case.collision = Collision::Bgk;

@@ -41,8 +41,45 @@ impl Lay {
     }
 }
 
-/// A channel with all that has a direction: a piston at one end, an outflow with a profile at the other, a lid and
-/// mirrors, an obstacle and a plane, a part, a sphere and a seal that move, a gap, an inlet, probes.
+/// Probes of all shapes but a profile.
+fn probes(lay: Lay) -> Vec<Probe> {
+    let (min, max) = (lay.out([18.0, 2.0, 3.0]), lay.out([24.0, 9.0, 8.0]));
+    let shapes = [
+        ProbeShape::Point(lay.out([21.3, 4.4, 5.2])),
+        ProbeShape::Section { axis: lay.axis(0), position: 20.3, min, max },
+        ProbeShape::Line { from: lay.out([3.0, 2.0, 9.0]), to: lay.out([30.0, 4.0, 3.0]) },
+        ProbeShape::Region { min, max },
+        ProbeShape::Ring(Ring {
+            axis: lay.axis(1),
+            through: lay.out([20.0, 3.0, 6.0]),
+            radii: [1.0, 4.0],
+            heights: [-1.0, 5.0],
+        }),
+    ];
+    let named = |(k, shape)| Probe { name: format!("probe_{k}"), shape };
+    shapes.into_iter().enumerate().map(named).collect()
+}
+
+/// A gap beneath the part that moves.
+fn gap(lay: Lay) -> Gap {
+    Gap {
+        name: "beneath".into(),
+        between: [GapSide::Part("mover".into()), GapSide::Face { axis: lay.axis(2), side: 0 }],
+        open_at: 1.5,
+        close_at: 0.5,
+        pressure: GapRule::Nearest,
+        slip_below: 0.0,
+        region: Some(GapRegion::Ring {
+            axis: lay.axis(2),
+            through: lay.out([15.0, 7.0, 0.0]),
+            radii: [0.0, 3.0],
+        }),
+    }
+}
+
+/// A channel with all that has a direction: a piston at one end, an outflow with a profile at the
+/// other, a lid and mirrors, an obstacle and a plane, a part, a sphere and a seal that move, a gap,
+/// an inlet, probes.
 fn scene(lay: Lay) -> Scene {
     let mut case = Case::new(lay.out(CELLS), [WALL; 3], 0.6);
     case.gravity = lay.out([-1e-5, 2e-5, -4e-5]);
@@ -93,19 +130,7 @@ fn scene(lay: Lay) -> Scene {
         start: Default::default(),
         section: Section { points: DISC.to_vec(), edges: (0..3).map(edge).collect() },
     }];
-    scene.gaps = vec![Gap {
-        name: "beneath".into(),
-        between: [GapSide::Part("mover".into()), GapSide::Face { axis: lay.axis(2), side: 0 }],
-        open_at: 1.5,
-        close_at: 0.5,
-        pressure: GapRule::Nearest,
-        slip_below: 0.0,
-        region: Some(GapRegion::Ring {
-            axis: lay.axis(2),
-            through: lay.out([15.0, 7.0, 0.0]),
-            radii: [0.0, 3.0],
-        }),
-    }];
+    scene.gaps = vec![gap(lay)];
     scene.inlets = vec![Inlet {
         name: "feed".into(),
         bodies: "grains".into(),
@@ -119,21 +144,7 @@ fn scene(lay: Lay) -> Scene {
         seed: 1,
         tries: 1,
     }];
-    let (min, max) = (lay.out([18.0, 2.0, 3.0]), lay.out([24.0, 9.0, 8.0]));
-    let shapes = [
-        ProbeShape::Point(lay.out([21.3, 4.4, 5.2])),
-        ProbeShape::Section { axis: lay.axis(0), position: 20.3, min, max },
-        ProbeShape::Line { from: lay.out([3.0, 2.0, 9.0]), to: lay.out([30.0, 4.0, 3.0]) },
-        ProbeShape::Region { min, max },
-        ProbeShape::Ring(Ring {
-            axis: lay.axis(1),
-            through: lay.out([20.0, 3.0, 6.0]),
-            radii: [1.0, 4.0],
-            heights: [-1.0, 5.0],
-        }),
-    ];
-    let named = |(k, shape)| Probe { name: format!("probe_{k}"), shape };
-    scene.probes = shapes.into_iter().enumerate().map(named).collect();
+    scene.probes = probes(lay);
     scene
 }
 
@@ -215,7 +226,8 @@ fn tell(lay: Lay, fluid: &mut LbmFluid, loads: Vec<Load>, told: &mut Told) {
     fluid.loads_on_parts(&mut told.on_parts);
     told.on_parts.iter_mut().for_each(|on_part| *on_part = load(on_part));
     fluid.probes(&mut told.probes);
-    // Pressure, velocity and, of a volume, part that is solid; flow, pressure and mass through a section.
+    // Pressure, velocity and, of a volume, part that is solid; flow, pressure and mass through a
+    // section.
     for first in [1, 8, 12, 17] {
         let velocity = lay.back([0, 1, 2].map(|a| told.probes[first + a]));
         told.probes[first..first + 3].copy_from_slice(&velocity);

@@ -1,5 +1,5 @@
-//! Sound between a wall and a piston on a spring: the force that comes a step late feeds it, a wall's
-//! velocity that is taken ahead does not (`velocity_lead`).
+//! Sound between a wall and a piston on a spring: the force that comes a step late feeds it, a
+//! wall's velocity that is taken ahead does not (`velocity_lead`).
 
 use crate::common::*;
 use tremie_fluid_lbm::{Collision, LbmFluid, Parameters, Refill};
@@ -7,8 +7,8 @@ use tremie_messages::scene::{Geometry, Motion};
 use tremie_messages::{BodyEvent, BodyState, Load};
 
 /// Energy of the piston, kinetic and of its spring, at the start and as a mean over the last 500 of
-/// 4000 steps. The piston, of 60 times the mass of a cell, swings on 30 layers of 9 cells of a fluid whose
-/// viscosity is 2e-4, and `offset` above the end of a cell.
+/// 4000 steps. The piston, of 60 times the mass of a cell, swings on 30 layers of 9 cells of a
+/// fluid whose viscosity is 2e-4, and `offset` above the end of a cell.
 fn energies(velocity_lead: f64, average_force: bool, offset: f64, refill: Refill) -> [f64; 2] {
     let mut case = Case::new([3, 3, 40], [SYMMETRY, SYMMETRY, WALL], 0.5006);
     (case.collision, case.refill) = (Collision::Bgk, refill);
@@ -44,9 +44,9 @@ fn energies(velocity_lead: f64, average_force: bool, offset: f64, refill: Refill
     [first, last]
 }
 
-/// With the mean of two steps' forces the energy grows a hundredfold, as the rate `rho cs^2 A lag / (L M)`
-/// of a lag of one step says within a factor of three; with the wall's velocity taken a step ahead it
-/// decays.
+/// With the mean of two steps' forces the energy grows a hundredfold, as the rate `rho cs^2 A lag /
+/// (L M)` of a lag of one step says within a factor of three; with the wall's velocity taken a step
+/// ahead it decays.
 #[test]
 fn a_lagging_force_feeds_sound() {
     let grows = |lead: f64| {
@@ -61,9 +61,9 @@ fn a_lagging_force_feeds_sound() {
     assert!(ahead < 0.5);
 }
 
-/// Wherever in a cell the piston stands: a wall whose velocity is that of half a step in all its links, or
-/// which pays within tens of steps what the density between it and the last cells borrows, feeds sound
-/// all but half-way.
+/// Wherever in a cell the piston stands: a wall whose velocity is that of half a step in all its
+/// links, or which pays within tens of steps what the density between it and the last cells
+/// borrows, feeds sound all but half-way.
 #[test]
 fn where_a_wall_stands_feeds_no_sound() {
     for refill in [Refill::Eqneq, Refill::Mass] {
@@ -90,8 +90,9 @@ fn a_lead_needs_the_mean_of_two_steps() {
     }
 }
 
-/// Energy of a sphere on a weak spring, knocked across a slit between mirrors that is half as wide again, as a mean over
-/// the last 500 of 3000 steps, over that of the knock. The viscosity is next to nothing.
+/// Energy of a sphere on a weak spring, knocked across a slit between mirrors that is half as wide
+/// again, as a mean over the last 500 of 3000 steps, over that of the knock. The viscosity is next
+/// to nothing.
 fn energy_in_a_slit(velocity_lead: f64) -> f64 {
     let mut case = Case::new([14, 14, 4], [WALL, WALL, SYMMETRY], 0.500008);
     case.collision = Collision::Bgk;
@@ -123,8 +124,8 @@ fn energy_in_a_slit(velocity_lead: f64) -> f64 {
     last / first
 }
 
-/// Free spheres feed sound too, between walls hardly farther apart than they are wide: less than a tenth of it where they
-/// are taken ahead.
+/// Free spheres feed sound too, between walls hardly farther apart than they are wide: less than a
+/// tenth of it where they are taken ahead.
 #[test]
 fn a_sphere_feeds_the_sound_in_a_slit() {
     let (late, ahead) = (energy_in_a_slit(0.0), energy_in_a_slit(1.0));

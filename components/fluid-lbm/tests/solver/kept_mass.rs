@@ -7,7 +7,8 @@ use tremie_messages::scene::{
     Course, Face, Geometry, Motion, Outflow, PartBoundary, Probe, ProbeShape, Scene,
 };
 
-/// Share of the mass that a fluid without bodies gains in so many steps; what it says to have lost is that.
+/// Share of the mass that a fluid without bodies gains in so many steps; what it says to have lost
+/// is that.
 fn gain(fluid: &mut LbmFluid, steps: usize) -> f64 {
     let first = fluid.ledger();
     let mass = first.mass + first.mass_lost;
@@ -23,9 +24,9 @@ fn gain(fluid: &mut LbmFluid, steps: usize) -> f64 {
     ledger.mass / first.mass - 1.0
 }
 
-/// A wall that slides pushes fluid into one edge and takes it out of the other, where the density is another. On each face
-/// in turn, and on two that meet: in f64 the mass stays to 1e-13 in 800 steps, in f32 to 1e-7 (rounding of the
-/// collision).
+/// A wall that slides pushes fluid into one edge and takes it out of the other, where the density
+/// is another. On each face in turn, and on two that meet: in f64 the mass stays to 1e-13 in 800
+/// steps, in f32 to 1e-7 (rounding of the collision).
 #[test]
 fn a_box_with_lids_keeps_its_mass() {
     let velocity = |axis: usize| {
@@ -56,8 +57,8 @@ fn a_box_with_lids_keeps_its_mass() {
     }
 }
 
-/// A block that stands aslant and a ball under a lid: half-way walls keep the mass, interpolated ones to 1e-13 with what
-/// they owe. That does not grow.
+/// A block that stands aslant and a ball under a lid: half-way walls keep the mass, interpolated
+/// ones to 1e-13 with what they owe. That does not grow.
 #[test]
 fn still_walls_keep_the_mass() {
     for walls in [Walls::Halfway, Walls::Bouzidi] {
@@ -91,8 +92,9 @@ fn still_walls_keep_the_mass() {
     }
 }
 
-/// A plate that covers no cell, standing aslant under a lid, makes and takes nothing in any step, nor has it anything to pay: to
-/// 1e-13 of the fluid's mass. Neither does it where a ball passes that covers the cells at one side of its edge.
+/// A plate that covers no cell, standing aslant under a lid, makes and takes nothing in any step,
+/// nor has it anything to pay: to 1e-13 of the fluid's mass. Neither does it where a ball passes
+/// that covers the cells at one side of its edge.
 #[test]
 fn a_thin_plate_keeps_the_mass_in_each_step() {
     let mut case = Case::new([22, 20, 18], [WALL; 3], 0.6);
@@ -211,8 +213,9 @@ fn what_a_part_lets_through_is_not_lost() {
     }
 }
 
-/// Spheres and a part that turns as it moves, under a lid: what is said to be lost is what is missing at the mean density. With
-/// `refill = "mass"` and walls half-way it is what is owed. A sphere that vanishes or appears loses nothing.
+/// Spheres and a part that turns as it moves, under a lid: what is said to be lost is what is
+/// missing at the mean density. With `refill = "mass"` and walls half-way it is what is owed. A
+/// sphere that vanishes or appears loses nothing.
 #[test]
 fn what_bodies_lose_is_told() {
     for (refill, walls) in [

@@ -57,8 +57,9 @@ fn drift(refill: Refill, steps: u32) -> f64 {
     drift
 }
 
-/// With accounts the mean density of a closed box of 27 000 cells stays but for what is owed, to 1e-13;
-/// and what is owed stays near a cell, what is taken until it is paid, where the default gains ever more.
+/// With accounts the mean density of a closed box of 27 000 cells stays but for what is owed, to
+/// 1e-13; and what is owed stays near a cell, what is taken until it is paid, where the default
+/// gains ever more.
 #[test]
 fn a_closed_box_keeps_its_mean_density() {
     let default = [2500, 5000].map(|steps| drift(Refill::Eqneq, steps));

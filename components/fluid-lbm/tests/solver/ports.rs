@@ -20,8 +20,8 @@ fn at_face(axis: usize, side: usize) -> Inlet {
     }
 }
 
-/// A face tells the mean of the velocity normal to it, into the domain, over the cells of its layer that
-/// are fluid.
+/// A face tells the mean of the velocity normal to it, into the domain, over the cells of its layer
+/// that are fluid.
 #[test]
 fn a_face_tells_the_mean_velocity_through_it() {
     let case = Case::new([12, 10, 8], [WALL; 3], 0.8);

@@ -62,8 +62,8 @@ fn probes_read_a_linear_flow() {
     assert!(near == 0.0 || (near - pressure(point)).abs() < 1e-3, "{near}");
 }
 
-/// The rate of mass through a section is the mean since means began: of a fluid that falls freely, that of half the way;
-/// and a profile cuts a section into strips, each with its mean velocity.
+/// The rate of mass through a section is the mean since means began: of a fluid that falls freely,
+/// that of half the way; and a profile cuts a section into strips, each with its mean velocity.
 #[test]
 fn rates_are_means_and_profiles_are_strips() {
     let mut case = Case::new([220, 8, 4], [PERIODIC, SYMMETRY, PERIODIC], 0.8);
@@ -165,8 +165,9 @@ fn with_section(case: &Case, n: [usize; 3]) -> Scene {
     scene
 }
 
-/// A fluid that flows along with the spheres in it passes a section as fast as they do: of what is there, the part that is no
-/// sphere. Walls of bodies carry their share, and what they displace is not counted.
+/// A fluid that flows along with the spheres in it passes a section as fast as they do: of what is
+/// there, the part that is no sphere. Walls of bodies carry their share, and what they displace is
+/// not counted.
 #[test]
 fn what_bodies_carry_along_passes_a_section() {
     let n = [27, 16, 16];

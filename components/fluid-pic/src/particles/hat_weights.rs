@@ -22,7 +22,8 @@ impl<const D: usize> HatWeights<D> {
         for a in 0..D {
             let shift = if face == Some(a) { 0.0 } else { 0.5 };
             let along = (point[a] - grid.origin[a]) * inverse - shift + GHOST as f64;
-            // Points never lie beyond the ghosts; the clamp keeps a wrong one from reading elsewhere.
+            // Points never lie beyond the ghosts; the clamp keeps a wrong one from reading
+            // elsewhere.
             let below = (along as usize).min(grid.cells[a]);
             base += below * grid.stride[a];
             upper[a] = (along - below as f64).clamp(0.0, 1.0);

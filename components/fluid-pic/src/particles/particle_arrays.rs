@@ -3,14 +3,15 @@
 /// How velocities travel between particles and grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transfer {
-    /// Particles gain the grid's change of velocity (FLIP, Brackbill & Ruppel, *J. Comput. Phys.* 65 (1986) 314),
-    /// but for a share, which they take from the grid anew (PIC, Harlow 1964). A share of 0 is pure
-    /// FLIP, of 1 pure PIC.
+    /// Particles gain the grid's change of velocity (FLIP, Brackbill & Ruppel, *J. Comput. Phys.*
+    /// 65 (1986) 314), but for a share, which they take from the grid anew (PIC, Harlow 1964). A
+    /// share of 0 is pure FLIP, of 1 pure PIC.
     Blend {
         /// Share of PIC in a step.
         pic: f64,
     },
-    /// Particles take the grid's velocity and its gradients (APIC, Jiang et al., *ACM Trans. Graph.* 34 (2015) 51).
+    /// Particles take the grid's velocity and its gradients (APIC, Jiang et al., *ACM Trans.
+    /// Graph.* 34 (2015) 51).
     Affine,
 }
 

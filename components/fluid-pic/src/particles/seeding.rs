@@ -12,8 +12,8 @@ fn unit(key: u64) -> f64 {
     ((x ^ (x >> 33)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Seeds `per_axis` particles along each axis of each cell, where `is_wet`. They are displaced from their
-/// lattice by up to `jitter` half steps of it, by numbers keyed by `seed` and place.
+/// Seeds `per_axis` particles along each axis of each cell, where `is_wet`. They are displaced from
+/// their lattice by up to `jitter` half steps of it, by numbers keyed by `seed` and place.
 pub fn seed<const D: usize>(
     grid: &StaggeredGrid<D>,
     particles: &mut ParticleArrays<D>,

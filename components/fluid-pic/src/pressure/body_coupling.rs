@@ -87,8 +87,8 @@ impl BodyCoupling {
         self.moved(body, &self.wrench(body, q))
     }
 
-    /// Adds the flux that velocities of a body push into the cells, `J^T U`, times a factor that may
-    /// depend on the cell.
+    /// Adds the flux that velocities of a body push into the cells, `J^T U`, times a factor that
+    /// may depend on the cell.
     #[inline]
     pub fn add_flux<T: Scalar>(
         &self,
@@ -113,7 +113,8 @@ impl BodyCoupling {
 
     /// The entries of coarser cells: sums over their children, which `parent` names; a coarse cell
     /// has `children`. A grid whose cells are larger than a body's volume over `resolved` does not
-    /// show how fluid yields to the body; there the body carries half of the fluid that it displaces.
+    /// show how fluid yields to the body; there the body carries half of the fluid that it
+    /// displaces.
     pub fn coarsen(
         &self,
         parent: impl Fn(usize) -> usize,

@@ -141,9 +141,9 @@ pub fn coarsen<const D: usize>(
     coarse.rows.rebuild(shape.stored, row, |at| diagonal[at] > 0.0);
 }
 
-/// Coupling of a cell to air, as its coarse cell feels it. Air lies where neighbours take no part: the surface is
-/// nearer to the coarse cell's centre, by half a cell, where that neighbour is of the same coarse
-/// cell, and else as much farther away.
+/// Coupling of a cell to air, as its coarse cell feels it. Air lies where neighbours take no part:
+/// the surface is nearer to the coarse cell's centre, by half a cell, where that neighbour is of
+/// the same coarse cell, and else as much farther away.
 fn to_air<const D: usize>(
     shape: &LevelShape<D>,
     fine: &Stencil<f32, D>,

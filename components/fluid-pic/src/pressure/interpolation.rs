@@ -7,8 +7,9 @@
 //! lower child: q + s_below (q_below - q)       upper child: q + s_above (q_above - q)
 //! ```
 //!
-//! The slope `s` of a face between coarse cells is a quarter where the face is open. It shrinks with the open part
-//! of the face, so that nothing is interpolated through a wall. Towards air, where `q` is 0 at the surface, it is steeper.
+//! The slope `s` of a face between coarse cells is a quarter where the face is open. It shrinks
+//! with the open part of the face, so that nothing is interpolated through a wall. Towards air,
+//! where `q` is 0 at the surface, it is steeper.
 
 use crate::pressure::coarsen::LevelShape;
 use tremie_team::{Cut, Team};
@@ -24,7 +25,8 @@ pub struct Interpolation<const D: usize> {
     between: Vec<Vec<f32>>,
 }
 
-/// Rows of a shape: start of each in memory, and the place of the row of coarse cells above which it lies.
+/// Rows of a shape: start of each in memory, and the place of the row of coarse cells above which
+/// it lies.
 struct Row {
     start: usize,
     parent: usize,

@@ -7,7 +7,8 @@ use tremie_team::instructions::Work;
 use tremie_team::{Cut, Team, Variant};
 
 /// Coefficients `diagonal q - sum over neighbours coupling q_beyond`. A cell that takes no part has
-/// none, and its `q` is 0. What couples a cell to air, where `q` is 0, stands in its diagonal alone.
+/// none, and its `q` is 0. What couples a cell to air, where `q` is 0, stands in its diagonal
+/// alone.
 #[derive(Clone, Debug)]
 pub struct Stencil<T, const D: usize> {
     /// Of each cell.

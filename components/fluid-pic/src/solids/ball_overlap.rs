@@ -13,8 +13,8 @@ pub fn segment_in_ball(radius: f64, distance2: f64, lower: f64, upper: f64) -> f
 
 /// Area that a disc of `radius` about the origin shares with a rectangle.
 ///
-/// Along the first axis the shared height is that of the rectangle, or ends at the circle; between the abscissas where
-/// this changes it is integrated exactly.
+/// Along the first axis the shared height is that of the rectangle, or ends at the circle; between
+/// the abscissas where this changes it is integrated exactly.
 pub fn disc_in_rectangle(radius: f64, lower: [f64; 2], upper: [f64; 2]) -> f64 {
     let (begin, end) = (lower[0].max(-radius), upper[0].min(radius));
     if begin >= end || lower[1] >= radius || upper[1] <= -radius {

@@ -1,7 +1,7 @@
 //! Open fractions of faces and cells.
 //!
-//! Fractions that bodies close add up: bodies do not overlap but where they touch. What would be more than
-//! a whole face is the whole face.
+//! Fractions that bodies close add up: bodies do not overlap but where they touch. What would be
+//! more than a whole face is the whole face.
 
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::pressure::body_coupling::{BodyCoupling, Wrench};
@@ -19,8 +19,8 @@ pub struct OpenFractions<const D: usize> {
     /// Flux through the surfaces of bodies with prescribed motion out of each cell, as the sum of
     /// its faces' fractions times velocities [m/s].
     pub pushed: Vec<f64>,
-    /// Of each entry of the coupling, covered part of the cell less the mean of the covered parts of
-    /// its two faces across each axis.
+    /// Of each entry of the coupling, covered part of the cell less the mean of the covered parts
+    /// of its two faces across each axis.
     pub beyond_faces: Vec<[f64; D]>,
     /// Cells whose fractions differ from those of the empty box.
     touched: Vec<u32>,

@@ -1,5 +1,5 @@
-//! The pressure at the free surface: zero where the surface is, not at the next cell's centre (Gibou, Fedkiw,
-//! Cheng & Kang, *J. Comput. Phys.* 176 (2002) 205).
+//! The pressure at the free surface: zero where the surface is, not at the next cell's centre
+//! (Gibou, Fedkiw, Cheng & Kang, *J. Comput. Phys.* 176 (2002) 205).
 
 /// Where the surface is taken to be between a wet cell and one of air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

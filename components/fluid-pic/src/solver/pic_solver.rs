@@ -260,9 +260,9 @@ impl<const D: usize> PicSolver<D> {
         self.settings.surface.distance(self.depth[wet], self.depth[air].min(0.0))
     }
 
-    /// Free bodies: what of them enters the right side, `- J^T U*`. Cells without an equation press on
-    /// nothing. The pressure of a fluid at rest lifts a body by the faces that it covers; what its volume differs
-    /// from that is added.
+    /// Free bodies: what of them enters the right side, `- J^T U*`. Cells without an equation press
+    /// on nothing. The pressure of a fluid at rest lifts a body by the faces that it covers; what
+    /// its volume differs from that is added.
     fn add_bodies(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         for (cell, wrench) in self.coupling.cells.iter().zip(&mut self.coupling.wrenches) {
             if self.stencil.diagonal[*cell as usize] == 0.0 {

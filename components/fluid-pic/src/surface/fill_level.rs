@@ -1,15 +1,16 @@
 //! Distance to the free surface, from how full the surroundings of a cell are.
 //!
-//! The mass of particles is spread over cells by the hat of width `h`. Of a full half space whose plane surface lies at
-//! distance `d` (in edges of cells, positive if the cell's centre is wet), the share of the hat that is full is
+//! The mass of particles is spread over cells by the hat of width `h`. Of a full half space whose
+//! plane surface lies at distance `d` (in edges of cells, positive if the cell's centre is wet),
+//! the share of the hat that is full is
 //!
 //! ```text
 //! f = 1/2 + d - d |d| / 2         so         d = +-(1 - sqrt(1 - 2 |f - 1/2|))
 //! ```
 //!
-//! for surfaces along the axes, and nearly so for others. Where walls or bodies take room, `f` is the share of what room is
-//! left. A drop or a film of which no cell is half full is no pressure's concern: it flies, or lies
-//! on its wall.
+//! for surfaces along the axes, and nearly so for others. Where walls or bodies take room, `f` is
+//! the share of what room is left. A drop or a film of which no cell is half full is no pressure's
+//! concern: it flies, or lies on its wall.
 
 use crate::grid::staggered_grid::StaggeredGrid;
 

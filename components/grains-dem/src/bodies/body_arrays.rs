@@ -1,10 +1,10 @@
 //! The state of all bodies, as arrays grouped by the passes that read them together.
 //!
-//! Arrays are in the order of places in space, which changes as bodies move: what is near in space is
-//! near in memory. Ids never change, and no result depends on the order in memory.
+//! Arrays are in the order of places in space, which changes as bodies move: what is near in space
+//! is near in memory. Ids never change, and no result depends on the order in memory.
 //!
-//! Ids are 64-bit and never used again; inside, a body goes by its rank among the living, which orders
-//! them as ids do and is a place in dense arrays.
+//! Ids are 64-bit and never used again; inside, a body goes by its rank among the living, which
+//! orders them as ids do and is a place in dense arrays.
 
 use crate::Vec3;
 use tremie_geometry::Share;
@@ -117,7 +117,8 @@ pub(crate) struct PlacedSphere {
     pub twist: Twist,
     /// Mass [kg].
     pub mass: f64,
-    /// Its share of the union of its clump's bodies, where that is what the clump is; the mass is that of the share.
+    /// Its share of the union of its clump's bodies, where that is what the clump is; the mass is
+    /// that of the share.
     pub share: Option<Share>,
     pub motion: Motion,
     /// Index of its set in the scene.
@@ -332,8 +333,8 @@ impl Bodies {
         self.poly.reserve(more);
     }
 
-    /// Takes out the bodies of the ranks `gone`, which ascend; the others keep their order. Writes to
-    /// `from` where in memory each of them stood.
+    /// Takes out the bodies of the ranks `gone`, which ascend; the others keep their order. Writes
+    /// to `from` where in memory each of them stood.
     pub fn remove(&mut self, gone: &[u32], from: &mut Vec<u32>) {
         let stays = |rank: &u32| gone.binary_search(rank).is_err();
         from.clear();

@@ -3,12 +3,12 @@
 use crate::Vec3;
 
 /// A closed surface of triangles whose vertices somebody else moves, as those of a rubber seal on a
-/// slider. Spheres meet its facets under the law of their materials. Parts that stand still and walls
-/// are its seat: they push its vertices out by a stiffness for each area, without friction.
+/// slider. Spheres meet its facets under the law of their materials. Parts that stand still and
+/// walls are its seat: they push its vertices out by a stiffness for each area, without friction.
 ///
-/// Its connectivity stays. It is the whole surface, also where symmetry planes cut its carrier: what
-/// spheres do to a facet counts with what their images do, the seat acts on the vertices on both
-/// sides.
+/// Its connectivity stays. It is the whole surface, also where symmetry planes cut its carrier:
+/// what spheres do to a facet counts with what their images do, the seat acts on the vertices on
+/// both sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeformableSurface {
     /// Vertices of each triangle, counterclockwise as seen from outside.
@@ -19,8 +19,8 @@ pub struct DeformableSurface {
     pub carrier: usize,
     /// Its material.
     pub material: String,
-    /// Pressure of the seat over the depth of a vertex in it [N/m³]: a vertex has the third of the area of
-    /// each facet at it, as far as the facet faces the seat.
+    /// Pressure of the seat over the depth of a vertex in it [N/m³]: a vertex has the third of the
+    /// area of each facet at it, as far as the facet faces the seat.
     pub seat_stiffness: f64,
 }
 

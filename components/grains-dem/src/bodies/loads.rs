@@ -12,8 +12,8 @@ use tremie_team::{Cut, Team};
 /// first load that is not valid.
 type LoadSum = Result<Vec3, GrainsError>;
 
-/// Takes the loads of a window, one for each body of `roll`, and gives the sum of the forces on free spheres
-/// [N]. `sums` is room to work in.
+/// Takes the loads of a window, one for each body of `roll`, and gives the sum of the forces on
+/// free spheres [N]. `sums` is room to work in.
 ///
 /// # Errors
 /// Loads that do not match the bodies or are not finite.

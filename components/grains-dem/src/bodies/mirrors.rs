@@ -1,8 +1,8 @@
 //! Parts that symmetry planes cut.
 //!
-//! To spheres a mirror is a wall without friction: what is behind it is not simulated. A part that is
-//! its own image belongs to both halves, and what the mirrored grains do to it counts besides. It is
-//! its own image if the origin of its frame lies on the plane; so a fluid tells them, too.
+//! To spheres a mirror is a wall without friction: what is behind it is not simulated. A part that
+//! is its own image belongs to both halves, and what the mirrored grains do to it counts besides.
+//! It is its own image if the origin of its frame lies on the plane; so a fluid tells them, too.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::Wrench;

@@ -4,7 +4,8 @@ use crate::Vec3;
 use crate::bodies::body_arrays::Twist;
 use tremie_messages::scene::{Course, MotionPoint, TimedMotion};
 
-/// Velocities over time with their integrals: linear between points, or constant ones times a factor.
+/// Velocities over time with their integrals: linear between points, or constant ones times a
+/// factor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Path {
     points: Vec<MotionKnot>,

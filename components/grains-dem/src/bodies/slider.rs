@@ -64,7 +64,8 @@ pub(crate) struct Slider {
     home: Vec3,
     /// Lift [m].
     pub lift: f64,
-    /// Velocity along the axis [m/s]: of the full step between substeps, of the half step within one.
+    /// Velocity along the axis [m/s]: of the full step between substeps, of the half step within
+    /// one.
     pub velocity: f64,
     predicted: f64,
     /// Forces at the last evaluation.
@@ -99,8 +100,8 @@ impl Slider {
         (spring + stops + contacts + fluid + surface + carried + self.constant) / self.mass
     }
 
-    /// Half kick, drift and prediction of a substep; with `finish` the half kick that ends the substep
-    /// before comes first.
+    /// Half kick, drift and prediction of a substep; with `finish` the half kick that ends the
+    /// substep before comes first.
     pub fn first_half(&mut self, dt: f64, finish: bool) {
         let kick = 0.5 * dt * self.acceleration();
         if finish {
@@ -111,7 +112,8 @@ impl Slider {
         self.lift += dt * self.velocity;
     }
 
-    /// Takes the forces at the new place: those of contacts are given, on the part in the domain [N].
+    /// Takes the forces at the new place: those of contacts are given, on the part in the domain
+    /// [N].
     pub fn evaluate(&mut self, contacts: f64) {
         self.pushes.contacts = self.whole * contacts;
         self.pushes.spring = -self.spring.force(self.lift);
@@ -119,7 +121,8 @@ impl Slider {
         (self.pushes.surface, self.pushes.carried) = (0.0, 0.0);
     }
 
-    /// Takes, besides, what a surface brings that it carries: the force of its contacts, and another.
+    /// Takes, besides, what a surface brings that it carries: the force of its contacts, and
+    /// another.
     pub fn carry(&mut self, contacts: Vec3, other: Vec3) {
         self.pushes.surface += contacts.dot(&self.axis);
         self.pushes.carried += other.dot(&self.axis);

@@ -9,8 +9,8 @@ use tremie_messages::scene::{SliderSpring, Stops};
 pub(crate) enum SpringLaw {
     /// `preload + rate y`.
     Line { rate: f64, preload: f64 },
-    /// `preload + rate (2 a/pi) tan(pi y/(2 a))` up to the lift `bend` on either side of 0, from where
-    /// on it is a line of the stiffness `limit`.
+    /// `preload + rate (2 a/pi) tan(pi y/(2 a))` up to the lift `bend` on either side of 0, from
+    /// where on it is a line of the stiffness `limit`.
     Tangent { rate: f64, preload: f64, stroke: f64, bend: f64, limit: f64 },
     /// Points; beyond the ends the first and the last line go on.
     Table(Vec<SpringKnot>),

@@ -66,6 +66,19 @@ pub(crate) struct TangentialSpring<L> {
 }
 
 impl<L: SimdLane> TangentialSpring<L> {
+    /// Displacement, damping and force if nothing slips.
+    #[inline(always)]
+    fn trial(
+        &self,
+        remembered: Lane3<L>,
+        v: Lane3<L>,
+        motion: &FrameMotion<L>,
+    ) -> (Lane3<L>, Lane3<L>, Lane3<L>) {
+        let xi = motion.displacement(remembered * self.remembered, v);
+        let damping = v * self.gamma_t;
+        (xi, damping, -(xi * self.k_t + damping))
+    }
+
     /// The force at the velocity `v`, which has no part along the normal, and the displacement to
     /// remember. Where it slips, the spring gives way and the dashpot does not.
     #[inline(always)]
@@ -76,9 +89,7 @@ impl<L: SimdLane> TangentialSpring<L> {
         v: Lane3<L>,
         motion: &FrameMotion<L>,
     ) -> (Lane3<L>, Lane3<L>) {
-        let xi = motion.displacement(remembered * self.remembered, v);
-        let damping = v * self.gamma_t;
-        let trial = -(xi * self.k_t + damping);
+        let (xi, damping, trial) = self.trial(remembered, v, motion);
         let (square, capacity) = (trial.dot(trial), limit * limit);
         if square.none_above(capacity) {
             return (trial, motion.ahead(xi, v));
@@ -100,8 +111,7 @@ impl<L: SimdLane> TangentialSpring<L> {
         v: Lane3<L>,
         motion: &FrameMotion<L>,
     ) -> (Lane3<L>, Lane3<L>) {
-        let xi = motion.displacement(remembered * self.remembered, v);
-        let trial = -(xi * self.k_t + v * self.gamma_t);
+        let (xi, _, trial) = self.trial(remembered, v, motion);
         let (square, capacity) = (trial.dot(trial), limit * limit);
         if square.none_above(capacity) {
             return (trial, xi);

@@ -46,8 +46,8 @@ pub(crate) fn faces(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {
     sides.filter(|&(axis, side)| holds(scene, axis, side))
 }
 
-/// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, those left out through which
-/// spheres leave, then its planes.
+/// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, those left out through
+/// which spheres leave, then its planes.
 pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     let domain = &scene.domain;
     let mut walls = of_box(domain.min, domain.max, |axis, side| holds(scene, axis, side));

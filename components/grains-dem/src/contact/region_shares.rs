@@ -1,16 +1,18 @@
 //! Shares of contacts of one sphere that lie close to each other.
 //!
-//! A wall is one wall, however it is cut: where a sphere reaches into several faces of it at once, as in a bore
-//! or a shallow valley, it finds one region that resists, not a spring for each face. Contacts that are near to each other
-//! share the compliance of that region. Let contact i have the unit normal `n_i` and a spring that would
-//! hold the energy `phi_i` alone, `p_i = sqrt(2 phi_i)`. All of them together hold
+//! A wall is one wall, however it is cut: where a sphere reaches into several faces of it at once,
+//! as in a bore or a shallow valley, it finds one region that resists, not a spring for each face.
+//! Contacts that are near to each other share the compliance of that region. Let contact i have the
+//! unit normal `n_i` and a spring that would hold the energy `phi_i` alone, `p_i = sqrt(2 phi_i)`.
+//! All of them together hold
 //!
 //! ```text
 //! U = max over f >= 0 of   sum_i f_i p_i - 1/2 sum_ij s(n_i, n_j) f_i f_j
 //! ```
 //!
-//! with s = 1 in one direction and s = 0 from 75 degrees on. The force of contact i is its own, times its share
-//! `f_i/p_i` between 0 and 1, and U is the sum of all `phi_i` times their shares. So
+//! with s = 1 in one direction and s = 0 from 75 degrees on. The force of contact i is its own,
+//! times its share `f_i/p_i` between 0 and 1, and U is the sum of all `phi_i` times their shares.
+//! So
 //!
 //! * contacts in corners count in full; at 60 degrees between normals it is 99 % where both are equally deep;
 //! * of contacts in nearly one direction the deepest counts alone, but for those within a few per cent of its depth, which
@@ -18,9 +20,10 @@
 //! * U is a function of the place of the sphere, and force is its slope wherever normals do not turn: without dashpots and
 //!   friction no way around makes energy, and equal depths have no order.
 //!
-//! s is the overlap of two balls whose density falls from the centre as `1 - r^2`, over the distance of their centres. As such it is positive
-//! definite in space, so also for unit vectors by their distance: the maximum is one, and is found by active sets (Lawson and Hanson,
-//! *Solving Least Squares Problems*, 1974, ch. 23).
+//! s is the overlap of two balls whose density falls from the centre as `1 - r^2`, over the
+//! distance of their centres. As such it is positive definite in space, so also for unit vectors by
+//! their distance: the maximum is one, and is found by active sets (Lawson and Hanson, *Solving
+//! Least Squares Problems*, 1974, ch. 23).
 
 use crate::Vec3;
 use crate::bodies::mesh_contact::{MOST, WallPoint};
@@ -51,8 +54,8 @@ pub(crate) fn of_one_region(a: Vec3, b: Vec3) -> bool {
     in_common(a, b) > ONE_REGION
 }
 
-/// Shares of contacts whose springs alone would hold `phi`; `root` gives `sqrt(2 phi)`, and what is not positive
-/// does not touch.
+/// Shares of contacts whose springs alone would hold `phi`; `root` gives `sqrt(2 phi)`, and what is
+/// not positive does not touch.
 pub(crate) fn shares(contacts: &[WallPoint], root: impl Fn(&WallPoint) -> f64) -> [f64; MOST] {
     let mut shares = [0.0; MOST];
     match contacts {
@@ -274,8 +277,8 @@ mod tests {
     }
 
     proptest! {
-        /// U does not depend on the order; shares are the conditions of the maximum; what is added changes U
-        /// from where it begins to act on, without a jump.
+        /// U does not depend on the order; shares are the conditions of the maximum; what is added
+        /// changes U from where it begins to act on, without a jump.
         #[test]
         fn the_maximum_is_found(
             ways in prop::collection::vec((-1.0f64..1.0, -1.0f64..1.0, 0.2f64..1.0, 0.01f64..1.0), 2..8),

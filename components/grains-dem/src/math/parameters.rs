@@ -13,20 +13,21 @@ pub struct Parameters {
     /// Steps during the shortest collision of two bodies, or a body and a wall. 15 give an error
     /// of a few per cent in flows, 50 are for validation.
     pub steps_per_contact: f64,
-    /// Largest relative speed of two bodies that the user expects; under Hertz's law the duration of
-    /// a collision and the stiffness depend on it, and so does the time step. Unset: twice the
+    /// Largest relative speed of two bodies that the user expects; under Hertz's law the duration
+    /// of a collision and the stiffness depend on it, and so does the time step. Unset: twice the
     /// fastest speed at the start and what a fall through the domain adds.
     pub expected_speed: Option<Velocity>,
-    /// How far beyond touching neighbours are listed, as a fraction of the diameter: of the largest body of each class of
-    /// sizes, which holds bodies within a factor of two. More makes the list longer, less makes it due more often. Results
-    /// depend on it only by rounding.
+    /// How far beyond touching neighbours are listed, as a fraction of the diameter: of the largest
+    /// body of each class of sizes, which holds bodies within a factor of two. More makes the list
+    /// longer, less makes it due more often. Results depend on it only by rounding.
     pub skin: Option<f64>,
-    /// Most spheres that may live at once, where inlets feed any. Unset: as many as fit into what parts leave of the
-    /// domain, packed densely, and a twentieth more; but no more than half a million.
+    /// Most spheres that may live at once, where inlets feed any. Unset: as many as fit into what
+    /// parts leave of the domain, packed densely, and a twentieth more; but no more than half a
+    /// million.
     pub capacity: Option<u64>,
-    /// Lubrication between bodies, and between bodies and walls or parts, at gaps that the fluid does
-    /// not resolve. Unset: none. A lattice fluid gives what it resolves of this force itself: the
-    /// cut-off must not be larger than the gap below which it stops to do so, about one cell.
+    /// Lubrication between bodies, and between bodies and walls or parts, at gaps that the fluid
+    /// does not resolve. Unset: none. A lattice fluid gives what it resolves of this force itself:
+    /// the cut-off must not be larger than the gap below which it stops to do so, about one cell.
     pub lubrication: Option<Lubrication>,
 }
 
@@ -41,8 +42,9 @@ pub struct Lubrication {
 }
 
 impl Parameters {
-    /// Skin where none is set. A bed that flows is a tenth faster at twice as much, where lists are made less often; a
-    /// valve of triangles that takes part is slower, because spheres near triangles are looked at in every step.
+    /// Skin where none is set. A bed that flows is a tenth faster at twice as much, where lists are
+    /// made less often; a valve of triangles that takes part is slower, because spheres near
+    /// triangles are looked at in every step.
     pub const DEFAULT_SKIN: f64 = 0.1;
 
     /// The skin as a fraction of the largest diameter of a class of sizes.

@@ -69,8 +69,8 @@ impl PeriodicBox {
             if !self.periodic[a] {
                 continue;
             }
-            // A place below the lower face is seen one domain length further up from now on; its old
-            // image is one length down.
+            // A place below the lower face is seen one domain length further up from now on; its
+            // old image is one length down.
             let sign = i32::from(x[a] < self.low[a]) - i32::from(x[a] >= self.high[a]);
             shift[a] = f64::from(sign) * self.size[a];
             crossed -= sign * weight;

@@ -8,15 +8,16 @@ use tremie_team::{Cut, Team};
 /// The contacts of each body that act, in the order in which it sums them.
 #[derive(Debug, Default)]
 pub(crate) struct Acting {
-    /// From where a body's places begin in [`Pairs::places`](crate::neighbours::neighbour_list::NeighbourList::places): those that act, and
-    /// after them what means nothing.
+    /// From where a body's places begin in
+    /// [`Pairs::places`](crate::neighbours::neighbour_list::NeighbourList::places): those that act,
+    /// and after them what means nothing.
     places: Vec<u32>,
     /// Number of contacts of each body that act.
     counts: Vec<u32>,
     /// Bounds of the places of each block of bodies, with the end of the last block.
     bounds: Vec<u32>,
-    /// Bodies that a contact of began or ended since. Both sides of a contact are noted, by whichever
-    /// thread sees it; all write the same.
+    /// Bodies that a contact of began or ended since. Both sides of a contact are noted, by
+    /// whichever thread sees it; all write the same.
     changed: Changed,
 }
 

@@ -23,8 +23,8 @@ pub(crate) struct CellPairs {
 }
 
 impl CellPairs {
-    /// Fills the rows anew with pairs whose surfaces are closer than their classes' skins. `cells` holds the bodies
-    /// sorted.
+    /// Fills the rows anew with pairs whose surfaces are closer than their classes' skins. `cells`
+    /// holds the bodies sorted.
     pub fn fill(
         &mut self,
         cells: &LinkedCells,
@@ -50,10 +50,11 @@ impl CellPairs {
     }
 }
 
-/// Visits the bodies of body i's row: those ahead of it in the cells of its class, and those of larger classes around it,
-/// whose surfaces are closer to i's than the skins of both reach, where at least one of the two is free and they are not
-/// joined; with them goes the square of the distance. So the row of a body holds none that are much smaller: each of
-/// thousands of grains on a large one lists it.
+/// Visits the bodies of body i's row: those ahead of it in the cells of its class, and those of
+/// larger classes around it, whose surfaces are closer to i's than the skins of both reach, where
+/// at least one of the two is free and they are not joined; with them goes the square of the
+/// distance. So the row of a body holds none that are much smaller: each of thousands of grains on
+/// a large one lists it.
 #[inline(always)]
 pub(crate) fn near(
     cells: &LinkedCells,
@@ -97,8 +98,8 @@ mod tests {
         clump: crate::bodies::body_arrays::ALONE,
     };
 
-    /// Balls of classes of sizes, each class half as wide as the one before, `ratio` apart at most; crowded into a part of
-    /// the box.
+    /// Balls of classes of sizes, each class half as wide as the one before, `ratio` apart at most;
+    /// crowded into a part of the box.
     fn random_balls(
         bounds: &PeriodicBox,
         n: usize,
@@ -220,8 +221,9 @@ mod tests {
     /// Relative diameter of body `i` of `n`.
     type DiameterOf = fn(u64, u64) -> f64;
 
-    /// Mixes that fill the same part of the space, made of `n` and of eight times as many bodies of half the size: what is
-    /// looked at for each does not grow. Random places overlap, but what counts is how many share a cell.
+    /// Mixes that fill the same part of the space, made of `n` and of eight times as many bodies of
+    /// half the size: what is looked at for each does not grow. Random places overlap, but what
+    /// counts is how many share a cell.
     #[test]
     fn what_is_looked_at_grows_with_the_number_alone() {
         let filled = 0.5;

@@ -1,9 +1,11 @@
-//! Linked cells in levels: bodies of one class of sizes are sorted into boxes no smaller than the range of their contacts.
+//! Linked cells in levels: bodies of one class of sizes are sorted into boxes no smaller than the
+//! range of their contacts.
 //!
-//! Bodies of one class find each other in the cells around their own. A body finds larger ones by looking, at each level
-//! above its own, at the cells that its range overlaps: at most eight, however large the others are. So what is looked at
-//! grows with the number of bodies alone, whatever their sizes are (hierarchical grids: Ogarko & Luding, *Comput. Phys.
-//! Commun.* 183, 2012).
+//! Bodies of one class find each other in the cells around their own. A body finds larger ones by
+//! looking, at each level above its own, at the cells that its range overlaps: at most eight,
+//! however large the others are. So what is looked at grows with the number of bodies alone,
+//! whatever their sizes are (hierarchical grids: Ogarko & Luding, *Comput. Phys. Commun.* 183,
+//! 2012).
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BoundingSphere;
@@ -49,7 +51,8 @@ impl LinkedCells {
         Self { bounds, skins, tight: true, class, home, levels, members }
     }
 
-    /// Cells of one size that fill the whole domain: the order of what is sorted into them depends on nothing else.
+    /// Cells of one size that fill the whole domain: the order of what is sorted into them depends
+    /// on nothing else.
     pub fn over(bounds: PeriodicBox, edge: f64) -> Self {
         Self { tight: false, ..Self::new(bounds, Skins::one(edge)) }
     }
@@ -87,7 +90,8 @@ impl LinkedCells {
         &self.skins
     }
 
-    /// The class of each body, in the order in which they were sorted; nothing where there is but one.
+    /// The class of each body, in the order in which they were sorted; nothing where there is but
+    /// one.
     pub fn classes(&self) -> &[u8] {
         &self.class
     }
@@ -103,9 +107,9 @@ impl LinkedCells {
         self.levels.iter().flat_map(|level| level.order.iter().copied())
     }
 
-    /// Calls `visit(j, image)` for the bodies j of body i's class that may be near it, so that each pair of the class is met
-    /// once: those in its own cell that come after it, and all in half of the cells around. The image tells across which
-    /// faces j is seen.
+    /// Calls `visit(j, image)` for the bodies j of body i's class that may be near it, so that each
+    /// pair of the class is met once: those in its own cell that come after it, and all in half of
+    /// the cells around. The image tells across which faces j is seen.
     #[inline(always)]
     pub fn ahead(&self, i: usize, mut visit: impl FnMut(u32, u32)) {
         let (level, home) = (&self.levels[self.class_of(i)], self.home[i]);
@@ -130,8 +134,8 @@ impl LinkedCells {
         self.levels[class].around(self.bounds.periodic, x, reach, &mut visit);
     }
 
-    /// Writes the bodies in an order that keeps near ones together: that of the smallest cells along Morton's
-    /// curve, and by index within a cell. `keys` is room to sort in.
+    /// Writes the bodies in an order that keeps near ones together: that of the smallest cells
+    /// along Morton's curve, and by index within a cell. `keys` is room to sort in.
     pub fn curve(
         &self,
         balls: &[BoundingSphere],
@@ -152,8 +156,9 @@ impl LinkedCells {
 }
 
 impl SizeLevel {
-    /// Lays out cells for so many bodies: at most a few a body, because larger cells are as correct, and cheaper than many
-    /// empty ones. Where the domain would take more, `tight` has the bodies themselves, and cells fill the box around them.
+    /// Lays out cells for so many bodies: at most a few a body, because larger cells are as
+    /// correct, and cheaper than many empty ones. Where the domain would take more, `tight` has the
+    /// bodies themselves, and cells fill the box around them.
     fn fit<'a>(
         &mut self,
         bounds: &PeriodicBox,
@@ -217,7 +222,8 @@ impl SizeLevel {
         self.start[cells] = bodies;
     }
 
-    /// Visits the bodies in the cells from `dx[0]` to `dx[1]` further along x in the row of cells beside.
+    /// Visits the bodies in the cells from `dx[0]` to `dx[1]` further along x in the row of cells
+    /// beside.
     #[inline(always)]
     fn run(
         &self,
@@ -256,7 +262,8 @@ impl SizeLevel {
         }
     }
 
-    /// Visits the bodies in all cells that a cube of half an edge `reach` [m] around `x` overlaps, through all images.
+    /// Visits the bodies in all cells that a cube of half an edge `reach` [m] around `x` overlaps,
+    /// through all images.
     #[inline(always)]
     fn around(&self, periodic: [bool; 3], x: Vec3, reach: f64, visit: &mut impl FnMut(u32, u32)) {
         if self.order.is_empty() {
@@ -270,7 +277,8 @@ impl SizeLevel {
                 let (y, across_y) = self.wrapped(1, y);
                 let mut x = along_x[0];
                 while x <= along_x[1] {
-                    // Up to the next face, cells next to each other along x are next to each other in memory.
+                    // Up to the next face, cells next to each other along x are next to each other
+                    // in memory.
                     let (first, across_x) = self.wrapped(0, x);
                     let run = (along_x[1] - x).min((self.count[0] as u32 - 1 - first) as i64);
                     let begin = self.slot([first, y, z]);
@@ -285,7 +293,8 @@ impl SizeLevel {
         }
     }
 
-    /// The first and the last cell along an axis within `reach` [m] of a place; beyond periodic faces counting goes on.
+    /// The first and the last cell along an axis within `reach` [m] of a place; beyond periodic
+    /// faces counting goes on.
     #[inline(always)]
     fn overlapped(&self, a: usize, periodic: bool, x: f64, reach: f64) -> [i64; 2] {
         let (place, count) = ((x - self.min[a]) * self.per_length[a], self.count[a] as i64);

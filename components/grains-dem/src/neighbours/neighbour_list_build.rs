@@ -169,9 +169,8 @@ impl NeighbourListBuilder {
         });
     }
 
-    /// Lists for each body its contacts by the other's id.
-    fn collect(&mut self, pairs: &mut NeighbourList, team: &mut Team, bodies: &Bodies) {
-        let n = bodies.len();
+    /// Counts the contacts of each of `n` bodies, and makes room for them.
+    fn count_contacts(&mut self, pairs: &mut NeighbourList, team: &mut Team, n: usize) {
         self.cursors.resize(n, 0);
         let (entries, bounds) = (&pairs.entries, &pairs.bounds);
         let pieces = (Cut::every(&mut self.cursors, BLOCK), Cut::every(&mut self.blocks, 1));
@@ -196,6 +195,13 @@ impl NeighbourListBuilder {
         self.place_bounds.clear();
         self.place_bounds.extend((0..n).step_by(BLOCK).map(|i| pairs.collected[i]));
         self.place_bounds.push(end);
+    }
+
+    /// Lists for each body its contacts by the other's id.
+    fn collect(&mut self, pairs: &mut NeighbourList, team: &mut Team, bodies: &Bodies) {
+        self.count_contacts(pairs, team, bodies.len());
+        let n = bodies.len();
+        let (entries, bounds) = (&pairs.entries, &pairs.bounds);
         let rank = &bodies.rank;
         let pieces =
             (Cut::at(&mut self.keys, &self.place_bounds), Cut::every(&mut self.cursors, BLOCK));

@@ -1,11 +1,13 @@
 //! Classes of sizes: bodies of about one size share a level of cells, and a skin.
 //!
-//! A class reaches from its largest body down to half of that, and the next one begins at the largest body that is smaller.
-//! Bodies within a factor of two are one class, so that a bed of nearly equal spheres has one level and one skin. With a
-//! single skin for all, a small grain among large ones would list all grains around that a large one could reach; with a
-//! single size of cells it would look at all in a cell of the large ones.
+//! A class reaches from its largest body down to half of that, and the next one begins at the
+//! largest body that is smaller. Bodies within a factor of two are one class, so that a bed of
+//! nearly equal spheres has one level and one skin. With a single skin for all, a small grain among
+//! large ones would list all grains around that a large one could reach; with a single size of
+//! cells it would look at all in a cell of the large ones.
 
-/// So many classes hold diameters over seven orders of magnitude; the last one takes whatever is smaller still.
+/// So many classes hold diameters over seven orders of magnitude; the last one takes whatever is
+/// smaller still.
 const MOST: usize = 24;
 
 /// The classes of a set of bodies, and the skins beyond the reach of forces within which pairs are
@@ -21,8 +23,9 @@ pub(crate) struct Skins {
 }
 
 impl Skins {
-    /// For bodies whose diameters lie in the spans `[smallest, largest]` [m]; a skin is a `fraction` of its class's largest
-    /// diameter. Without any body the skin is infinite: lists of nothing are never due.
+    /// For bodies whose diameters lie in the spans `[smallest, largest]` [m]; a skin is a
+    /// `fraction` of its class's largest diameter. Without any body the skin is infinite: lists of
+    /// nothing are never due.
     pub fn new(spans: impl Iterator<Item = [f64; 2]> + Clone, fraction: f64, reach: f64) -> Self {
         let mut largest: Vec<f64> = Vec::new();
         while largest.len() < MOST {

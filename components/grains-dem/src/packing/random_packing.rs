@@ -57,7 +57,8 @@ struct PackingRegion<'a> {
     obstacles: Vec<BoundingSphere>,
 }
 
-/// Diameters [m] of the bodies of a set, or of spheres of equal volume, in the order in which a packing draws them.
+/// Diameters [m] of the bodies of a set, or of spheres of equal volume, in the order in which a
+/// packing draws them.
 pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
     match set.placement.sizes() {
         BodySizes::Listed(diameters) => diameters,
@@ -84,8 +85,8 @@ fn diameters(packing: &Packing) -> Vec<f64> {
     drawn
 }
 
-/// Makes a packing of spheres `wider` times as wide as the diameters say, which hold bodies of as much volume
-/// as these have; they are ordered by place, so that neighbours have near numbers.
+/// Makes a packing of spheres `wider` times as wide as the diameters say, which hold bodies of as
+/// much volume as these have; they are ordered by place, so that neighbours have near numbers.
 pub(crate) fn pack(
     packing: &Packing,
     wider: f64,

@@ -1,14 +1,14 @@
 //! Free rotation of bodies with three moments of inertia.
 //!
-//! The state is orientation and angular momentum in the world, kicked as velocities are. In between the
-//! body turns freely, by rotations about its principal axes one after the other,
+//! The state is orientation and angular momentum in the world, kicked as velocities are. In between
+//! the body turns freely, by rotations about its principal axes one after the other,
 //!
 //! ```text
 //! R1(dt/2) R2(dt/2) R3(dt) R2(dt/2) R1(dt/2),     R_k turns about axis k by dt P_k/I_k
 //! ```
 //!
-//! each of them exact (Dullweber, Leimkuhler & McLachlan, *J. Chem. Phys.* 107, 1997): of second order, the
-//! angular momentum stays what it is, and the energy does not drift.
+//! each of them exact (Dullweber, Leimkuhler & McLachlan, *J. Chem. Phys.* 107, 1997): of second
+//! order, the angular momentum stays what it is, and the energy does not drift.
 
 use super::shape::{to_body, to_world, turned_axes};
 use crate::Vec3;
@@ -61,7 +61,8 @@ impl Inertia {
     }
 }
 
-/// The orientation `q` after a turn in the body's frame, given as vector and number of a quaternion.
+/// The orientation `q` after a turn in the body's frame, given as vector and number of a
+/// quaternion.
 fn turned_within([x, y, z, w]: [f64; 4], v: Vec3, c: f64) -> [f64; 4] {
     [
         w * v.x + x * c + y * v.z - z * v.y,
@@ -110,9 +111,9 @@ mod tests {
         assert!((inertia.spin(q, inertia.momentum(q, w)) - w).norm() < 1e-14);
     }
 
-    /// Near its middle axis a body turns over and over. From energy and angular momentum `w1^2` and `w3^2`
-    /// are linear in `w2^2`, and Euler's equation for w2 is a quadrature (Landau & Lifshitz, *Mechanics*,
-    /// sec. 37).
+    /// Near its middle axis a body turns over and over. From energy and angular momentum `w1^2` and
+    /// `w3^2` are linear in `w2^2`, and Euler's equation for w2 is a quadrature (Landau & Lifshitz,
+    /// *Mechanics*, sec. 37).
     #[test]
     fn a_body_flips_with_the_period_of_its_first_integrals() {
         let inertia = Inertia { axes: [Vec3::x(), Vec3::y(), Vec3::z()], ..body() };
@@ -127,7 +128,8 @@ mod tests {
         let (c, d) = ((l2 - e2 * i1) / (i3 * (i3 - i1)), i2 * (i2 - i1) / (i3 * (i3 - i1)));
         let rate = (i3 - i1) / i2;
         let (inner, outer) = ((a / b).min(c / d), (a / b).max(c / d));
-        // A quarter: int dx/(rate sqrt(b d (inner - x^2)(outer - x^2))), with x = sqrt(inner) sin(u).
+        // A quarter: int dx/(rate sqrt(b d (inner - x^2)(outer - x^2))), with x = sqrt(inner)
+        // sin(u).
         let n = 20_000;
         let quarter: f64 = (0..n)
             .map(|k| {

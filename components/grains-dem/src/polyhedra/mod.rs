@@ -1,8 +1,8 @@
 //! Convex polyhedra among the bodies.
 //!
-//! A polyhedron is a body like others: its ball is the sphere around it, by which neighbours are found, and
-//! its centroid moves as a sphere's centre does. What is its own stands here: shape, size, angular
-//! momentum, and where its corners and faces are in this substep.
+//! A polyhedron is a body like others: its ball is the sphere around it, by which neighbours are
+//! found, and its centroid moves as a sphere's centre does. What is its own stands here: shape,
+//! size, angular momentum, and where its corners and faces are in this substep.
 
 mod contact_geometry;
 mod contact_list;
@@ -155,8 +155,8 @@ impl Polyhedra {
         }
     }
 
-    /// Turns them through a substep, once their centroids have moved: half kick, drift and prediction; with
-    /// `finish` the half kick that ends the substep before comes first.
+    /// Turns them through a substep, once their centroids have moved: half kick, drift and
+    /// prediction; with `finish` the half kick that ends the substep before comes first.
     pub fn first_half(
         &mut self,
         team: &mut Team,

@@ -10,8 +10,8 @@ use crate::bodies::body_arrays::BoundingSphere;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::placed_parts::PlacedPart;
 
-/// Overlap of two bodies [m], the second `way` from the first, by the numbers of their polyhedra; and the
-/// length that it is measured by. None without a polyhedron.
+/// Overlap of two bodies [m], the second `way` from the first, by the numbers of their polyhedra;
+/// and the length that it is measured by. None without a polyhedron.
 pub(crate) fn of_bodies(
     polyhedra: &Polyhedra,
     [a, b]: [(u32, &BoundingSphere); 2],

@@ -1,7 +1,7 @@
 //! Pressure of polyhedra: integrals of the depth over the surfaces inside them.
 //!
-//! Let `d(x)` be how deep a point lies in a convex body, the least of its depths under the faces. Of
-//! two bodies A and B that overlap,
+//! Let `d(x)` be how deep a point lies in a convex body, the least of its depths under the faces.
+//! Of two bodies A and B that overlap,
 //!
 //! ```text
 //! W = kappa (int d_A dV + int d_B dV)       over the overlap
@@ -15,10 +15,10 @@
 //!
 //! and the torque likewise with `x x n`. So whatever bodies do without friction and dashpots, no
 //! energy is made: force and torque are continuous, face on face is a spring that resists rocking
-//! too, and there is no point of contact to jump. Action equals reaction term by term. For a surface of
-//! something else, walls and triangles, only the first integral is there (in the spirit of elastic
-//! foundations, Elandt, Drumwright, Sherman & Ruina, IROS 2019, and of energies as functions of the
-//! overlap, Feng, *Comput. Methods Appl. Mech. Eng.* 373, 2021).
+//! too, and there is no point of contact to jump. Action equals reaction term by term. For a
+//! surface of something else, walls and triangles, only the first integral is there (in the spirit
+//! of elastic foundations, Elandt, Drumwright, Sherman & Ruina, IROS 2019, and of energies as
+//! functions of the overlap, Feng, *Comput. Methods Appl. Mech. Eng.* 373, 2021).
 //!
 //! Nothing is iterated: polygons are clipped by planes, and where `d` changes from one face to
 //! another the polygon is cut. So no result depends on where a search for closest points gives up.

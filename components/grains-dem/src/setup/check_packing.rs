@@ -12,7 +12,8 @@ use tremie_messages::{
 /// More spheres than memory holds: a slip in a unit.
 const MOST_SPHERES: f64 = 1e8;
 
-/// Checks region, fraction and diameters, of bodies whose spheres around them are so many times as wide.
+/// Checks region, fraction and diameters, of bodies whose spheres around them are so many times as
+/// wide.
 pub(crate) fn packing(
     key: &str,
     packing: &Packing,

@@ -8,7 +8,7 @@ use crate::solver::clumps::{self, Whole};
 use crate::solver::placement;
 use tremie_messages::{
     Problem,
-    scene::{BodySet, Face, InletVelocity, Motion, Placement, PolyhedronPlacement, Scene},
+    scene::{BodySet, Face, Inlet, InletVelocity, Motion, Placement, PolyhedronPlacement, Scene},
 };
 
 /// A body that may meet others.
@@ -353,9 +353,7 @@ fn speed(scene: &Scene) -> f64 {
     let norm = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let mut fastest = 0.0f64;
     for inlet in &scene.inlets {
-        if let InletVelocity::Given(velocity) = &inlet.velocity {
-            fastest = norm(velocity).max(fastest);
-        }
+        fastest = inlet_velocity(scene, inlet).map_or(0.0, |velocity| norm(&velocity)).max(fastest);
     }
     for set in &scene.bodies {
         let factor = match &set.motion {
@@ -381,6 +379,18 @@ fn speed(scene: &Scene) -> f64 {
         }
     }
     fastest
+}
+
+/// Largest velocity that the scene gives to grains at an inlet [m/s]; that of a face which follows
+/// the flow is not known.
+pub fn inlet_velocity(scene: &Scene, inlet: &Inlet) -> Option<[f64; 3]> {
+    match inlet.velocity {
+        InletVelocity::Given(velocity) => Some(velocity),
+        InletVelocity::Face { axis, side } => match &scene.domain.faces[axis][side] {
+            Face::Velocity(open) => Some(open.velocity.map(|v| v * open.course.largest())),
+            _ => None,
+        },
+    }
 }
 
 fn motion_speed(motion: &Motion) -> f64 {

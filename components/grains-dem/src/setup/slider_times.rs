@@ -58,15 +58,15 @@ fn rest_depth(slider: &Slider, stops: &Stops) -> f64 {
     pressed / stops.stiffness / (upper - lower)
 }
 
-/// The shortest duration of a collision or half an oscillation of these sliders [s]; infinite without
-/// any.
+/// The shortest duration of a collision or half an oscillation of these sliders [s]; infinite
+/// without any.
 pub(crate) fn shortest(sliders: &[SliderTimes]) -> f64 {
     let times = sliders.iter().flat_map(|slider| [slider.stop_time, slider.spring_time]);
     times.flatten().fold(f64::INFINITY, f64::min)
 }
 
-/// Stability of the worst slider alone, and of the worst one covered with grains: as many as there are,
-/// or as its surface has room for.
+/// Stability of the worst slider alone, and of the worst one covered with grains: as many as there
+/// are, or as its surface has room for.
 pub(crate) fn stability(parts: &[PlacedPart], grains: Grains) -> [Stability; 2] {
     let mut worst = [Stability::default(); 2];
     for part in parts {

@@ -17,15 +17,15 @@ use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_law::Law;
 use crate::packing::random_packing;
-use crate::setup::material_pairs::MaterialPair;
+use crate::setup::material_pairs::{MaterialPair, inlet_velocity};
 use core::f64::consts::PI;
 use serde::Serialize;
 use tremie_messages::{
     Finding,
     finding::short,
     scene::{
-        BodySet, Course, Face, FluidMaterial, Inlet, InletVelocity, Motion, Part, Placement,
-        PolyhedronPlacement, Scene,
+        BodySet, Course, Face, FluidMaterial, Inlet, Motion, Part, Placement, PolyhedronPlacement,
+        Scene,
     },
 };
 
@@ -236,13 +236,8 @@ fn given_speeds(scene: &Scene, parts: &[PlacedPart]) -> [f64; 2] {
         course(&set.motion, &mut bodies);
     }
     for inlet in &scene.inlets {
-        match inlet.velocity {
-            InletVelocity::Given(velocity) => bodies.add(&velocity),
-            InletVelocity::Face { axis, side } => {
-                if let Face::Velocity(open) = &scene.domain.faces[axis][side] {
-                    bodies.add(&open.velocity);
-                }
-            }
+        if let Some(velocity) = inlet_velocity(scene, inlet) {
+            bodies.add(&velocity);
         }
     }
     // Planes and fixed parts are at rest.

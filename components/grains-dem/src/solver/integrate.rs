@@ -6,8 +6,8 @@
 //! ```
 //!
 //! and the same for the angular velocity. Forces at the half-step velocity would leave the scheme
-//! first order, because dashpots depend on it (the prediction is that of Groot & Warren, *J. Chem. Phys.* 107,
-//! 1997, with lambda = 1).
+//! first order, because dashpots depend on it (the prediction is that of Groot & Warren, *J. Chem.
+//! Phys.* 107, 1997, with lambda = 1).
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -52,8 +52,8 @@ impl StepDisplacement {
     }
 }
 
-/// Acceleration and angular acceleration of a body under contact forces, loads and weight; none of one that
-/// goes with a clump.
+/// Acceleration and angular acceleration of a body under contact forces, loads and weight; none of
+/// one that goes with a clump.
 #[inline(always)]
 fn acceleration(
     contact: Wrench,

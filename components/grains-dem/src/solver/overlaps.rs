@@ -20,8 +20,8 @@ use tremie_team::Team;
 /// Overlap at the start, over the smaller radius, that passes as touching.
 pub(crate) const TOUCHING: f64 = 0.01;
 
-/// Checks that bodies overlap neither each other, unless none of two is moved by forces, nor walls and
-/// parts. Of spheres and walls the scene's own check tells.
+/// Checks that bodies overlap neither each other, unless none of two is moved by forces, nor walls
+/// and parts. Of spheres and walls the scene's own check tells.
 pub(crate) fn check(
     scene: &Scene,
     spheres: &[PlacedSphere],
@@ -148,7 +148,8 @@ fn numbers(bodies: &[PlacedSphere]) -> Vec<u32> {
     bodies.iter().map(number).collect()
 }
 
-/// Checks that centroids lie in the domain, and all of a free polyhedron on the right side of walls.
+/// Checks that centroids lie in the domain, and all of a free polyhedron on the right side of
+/// walls.
 fn inside(scene: &Scene, placed: &[PlacedSphere], polyhedra: &Polyhedra) -> Vec<Problem> {
     let mut problems = Vec::new();
     let (bounds, walls) = (PeriodicBox::new(&scene.domain), plane_walls::of_scene(scene));

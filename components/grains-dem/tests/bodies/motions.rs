@@ -82,7 +82,8 @@ fn prescribed_points_are_followed_exactly() {
     assert!((end.orientation[1] - (0.5 * angle).sin()).abs() < 1e-6, "{end:?}");
 }
 
-/// Velocities times a sine: positions are the exact integral, each body of the set at the velocities it was placed with.
+/// Velocities times a sine: positions are the exact integral, each body of the set at the
+/// velocities it was placed with.
 #[test]
 fn a_formula_is_followed_exactly() {
     let mut scene = scene([10e-3; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(1.0)));
@@ -113,7 +114,8 @@ fn a_formula_is_followed_exactly() {
     }
 }
 
-/// A ball that rolls on a plate which swings along itself goes with 2/7 of its velocity: within 1 % of the largest.
+/// A ball that rolls on a plate which swings along itself goes with 2/7 of its velocity: within 1 %
+/// of the largest.
 #[test]
 fn a_ball_rolls_on_a_swinging_floor() {
     let (d, speed) = (1e-3, 0.02);

@@ -141,8 +141,8 @@ fn a_belt_carries_a_sphere_until_it_rolls() {
     assert!((force[2] / (-mass(D) * G) - 1.0).abs() < 1e-3, "{force:?}");
 }
 
-/// A turning plate strikes a sphere of infinite lightness, as it were: the point that meets it moves
-/// at w x r, and restitution 1 doubles that.
+/// A turning plate strikes a sphere of infinite lightness, as it were: the point that meets it
+/// moves at w x r, and restitution 1 doubles that.
 #[test]
 fn a_turning_part_strikes_with_the_speed_of_its_surface() {
     let spin = Motion::Prescribed(vec![MotionPoint {

@@ -52,8 +52,8 @@ fn energy(dem: &mut GrainsDem) -> f64 {
     d.kinetic_energy + d.rotational_energy + d.potential_energy + d.elastic_energy
 }
 
-/// Error of the lift after 1.7 periods on a linear spring, with weight and a constant force, and the
-/// largest error of the energy, over its scale.
+/// Error of the lift after 1.7 periods on a linear spring, with weight and a constant force, and
+/// the largest error of the energy, over its scale.
 fn oscillate(steps: u32) -> (f64, f64) {
     let (rate, preload, force, g) = (625.0, 0.4, 0.3, 9.81);
     let mut valve = slider(SliderSpring::Linear { rate, preload }, None);
@@ -120,8 +120,8 @@ fn a_slider_comes_back_from_a_stop_with_its_restitution() {
         for speed in [0.5, -0.5] {
             let mut valve = slider(SliderSpring::None, stops(e));
             (valve.lift, valve.velocity) = (2e-3, speed);
-            // A collision takes 95 us: 1,000 steps. Where the dashpot sets in between two of them is of
-            // first order.
+            // A collision takes 95 us: 1,000 steps. Where the dashpot sets in between two of them
+            // is of first order.
             let mut dem = make(&alone(valve), 1e-7);
             dem.advance(80_000, &[]).unwrap();
             let back = lift(&dem).velocity;
@@ -310,7 +310,8 @@ fn a_wrong_slider_is_one_problem() {
         assert_eq!(key(|s| s.mass = mass), "mass");
     }
     assert_eq!(key(|s| s.velocity = f64::INFINITY), "velocity");
-    // The spring presses it 6e-6 m into its stop; where that is twice as deep it did not get by itself.
+    // The spring presses it 6e-6 m into its stop; where that is twice as deep it did not get by
+    // itself.
     assert_eq!(key(|s| s.lift = -2e-5), "lift");
     assert_eq!(key(|s| s.lift = 4.6e-3), "lift");
     assert_eq!(key(|s| change_stops(s, |stops| stops.upper = Some(-1e-3))), "stops.upper");

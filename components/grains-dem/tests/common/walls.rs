@@ -30,7 +30,8 @@ pub fn floor(height: f64) -> Plane {
     Plane { point: [0.0, 0.0, height], normal: [0.0, 0.0, 1.0], material: "wall".into() }
 }
 
-/// Flush parts, planes and faces of the domain at the height `TOP`, with a seam below (20, 20) mm in most.
+/// Flush parts, planes and faces of the domain at the height `TOP`, with a seam below (20, 20) mm
+/// in most.
 pub fn cuts() -> Vec<(&'static str, Vec<Part>, Vec<Plane>)> {
     let one = block([-2.0, -2.0, -10.0], [42.0, 42.0, 10.0]);
     let left = block([-2.0, -2.0, -10.0], [20.0, 42.0, 10.0]);
@@ -65,8 +66,8 @@ pub fn cuts() -> Vec<(&'static str, Vec<Part>, Vec<Plane>)> {
     ]
 }
 
-/// A body with a height over a square of `n` x `n` pieces about the origin, down to `bottom`; inside, corners are moved
-/// along both by `uneven` parts of a piece.
+/// A body with a height over a square of `n` x `n` pieces about the origin, down to `bottom`;
+/// inside, corners are moved along both by `uneven` parts of a piece.
 pub fn relief(
     n: usize,
     size: f64,

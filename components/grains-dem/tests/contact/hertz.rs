@@ -44,8 +44,8 @@ fn scene_of(
     scene
 }
 
-/// Largest force on body 0, largest overlap by `overlap_of` its position, and the time that velocity
-/// changes.
+/// Largest force on body 0, largest overlap by `overlap_of` its position, and the time that
+/// velocity changes.
 fn impact(
     dem: &mut GrainsDem,
     mass: f64,

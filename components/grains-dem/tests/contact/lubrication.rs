@@ -86,8 +86,8 @@ fn a_slow_sphere_never_touches() {
     assert_eq!(dem.diagnostics().contacts, 0);
 }
 
-/// Elastic bodies lose `ln(h_c/h_r)` of the Stokes number each way: `e = 1 - 2 ln(h_c/h_r)/St`; 1e-3.
-/// Below twice the loss nothing leaves the gap.
+/// Elastic bodies lose `ln(h_c/h_r)` of the Stokes number each way: `e = 1 - 2 ln(h_c/h_r)/St`;
+/// 1e-3. Below twice the loss nothing leaves the gap.
 #[test]
 fn a_wet_rebound_loses_speed() {
     let c = 6.0 * PI * ETA * 0.25 * D * D;

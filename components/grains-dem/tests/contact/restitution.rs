@@ -58,7 +58,8 @@ fn given_by_restitution() {
 
 #[test]
 fn given_by_coefficients() {
-    // Grains of 0.8 mm with 3 kg/s: 0.175 between grains, 0.258 at a wall (0.011, 0.107 with tension).
+    // Grains of 0.8 mm with 3 kg/s: 0.175 between grains, 0.258 at a wall (0.011, 0.107 with
+    // tension).
     let damping = coefficients(3.0, 0.0);
     assert_near(of_a_pair(law_of(damping, false)), 0.175);
     assert_near(of_a_wall(law_of(damping, false)), 0.258);

@@ -9,8 +9,8 @@ use tremie_messages::{
     scene::{Damping, Motion, MotionPoint, Scene},
 };
 
-/// A heap of three sizes, 1 : 5 : 20, that falls through periodic sides onto a floor; the largest sphere is driven through
-/// it.
+/// A heap of three sizes, 1 : 5 : 20, that falls through periodic sides onto a floor; the largest
+/// sphere is driven through it.
 fn heap(seed: u64) -> Scene {
     let mut scene = scene([11e-3, 11e-3, 20e-3], FLOOR, law(1e3, 0.5, Damping::Restitution(0.6)));
     scene.gravity = [10.0, 3.0, -60.0];
@@ -41,8 +41,9 @@ fn run(scene: &Scene, skin: f64, threads: usize, steps: u32) -> (Vec<BodyState>,
     (state(&dem), seen.list_rebuilds)
 }
 
-/// Another skin lists other pairs at other times. Had a pair that touches ever been missing, or a contact lost what it
-/// remembers, some bit would differ; and so it would if sums went by the order in which threads find pairs.
+/// Another skin lists other pairs at other times. Had a pair that touches ever been missing, or a
+/// contact lost what it remembers, some bit would differ; and so it would if sums went by the order
+/// in which threads find pairs.
 #[test]
 fn neither_skin_nor_threads_enter_the_arithmetic() {
     let scene = heap(1);
@@ -78,8 +79,8 @@ fn neither_do_they_with_polyhedra_and_clumps() {
     }
 }
 
-/// A sphere rests on thousands of small ones that stand still, each of which bears a part of it: their forces on it add up
-/// to its weight, to 1 %, and the sum does not depend on threads.
+/// A sphere rests on thousands of small ones that stand still, each of which bears a part of it:
+/// their forces on it add up to its weight, to 1 %, and the sum does not depend on threads.
 #[test]
 fn one_large_sphere_touches_thousands() {
     let mut scene = scene([8e-3, 8e-3, 8e-3], WALLS, law(100.0, 0.0, Damping::Restitution(0.97)));
@@ -116,8 +117,8 @@ fn one_large_sphere_touches_thousands() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
-    /// Momentum of a gas of mixed sizes without walls is kept, and energy is none too much, whatever is listed: of random
-    /// sizes, with contacts across periodic faces.
+    /// Momentum of a gas of mixed sizes without walls is kept, and energy is none too much,
+    /// whatever is listed: of random sizes, with contacts across periodic faces.
     #[test]
     fn a_gas_of_any_sizes_keeps_its_momentum(
         widths in prop::collection::vec(0.05f64..1.0, 40..80),

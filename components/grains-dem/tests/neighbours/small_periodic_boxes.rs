@@ -5,7 +5,8 @@ use tremie_messages::scene::{Damping, Face, Motion};
 
 const DT: f64 = 1e-3;
 
-/// Fixed bodies meet nothing: they may be large in a periodic box. A free one must not meet another through both faces.
+/// Fixed bodies meet nothing: they may be large in a periodic box. A free one must not meet another
+/// through both faces.
 #[test]
 fn fixed_bodies_fill_a_small_periodic_box() {
     let periodic = || [Face::Periodic, Face::Periodic];

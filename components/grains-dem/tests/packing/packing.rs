@@ -137,7 +137,8 @@ fn evenness(dem: &GrainsDem) -> f64 {
 
 #[test]
 fn dense_packings_are_even_over_long_distances() {
-    // Points thrown at random have 1; hard spheres in equilibrium at 0.3 and 0.45 have 0.10 and 0.03.
+    // Points thrown at random have 1; hard spheres in equilibrium at 0.3 and 0.45 have 0.10 and
+    // 0.03.
     for (fraction, bound) in [(0.3, 0.2), (0.45, 0.15)] {
         let mean = (1..=8).map(|seed| {
             let mut scene = scene([SIDE; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(0.7)));

@@ -22,8 +22,9 @@ fn on_floor(height: f64, damping: Damping) -> Scene {
     scene
 }
 
-/// A cube sinks into a plane by its weight over the stiffness, as far as the depth under the face goes: less
-/// the strips beside the edges, where side faces are closer: `k d (1 - 2 d/a + 4/3 (d/a)^2) = m g`.
+/// A cube sinks into a plane by its weight over the stiffness, as far as the depth under the face
+/// goes: less the strips beside the edges, where side faces are closer: `k d (1 - 2 d/a + 4/3
+/// (d/a)^2) = m g`.
 #[test]
 fn a_cube_on_a_plane_sinks_in_by_the_law() {
     let mut scene = on_floor(0.5 * EDGE, Damping::Restitution(0.1));
@@ -210,8 +211,8 @@ fn collisions_keep_momentum_and_angular_momentum() {
     }
 }
 
-/// A cube on a slope, as gravity that leans: it stays where the tangent is less than the coefficient of
-/// friction, else it slides with `g (sin - mu cos)`.
+/// A cube on a slope, as gravity that leans: it stays where the tangent is less than the
+/// coefficient of friction, else it slides with `g (sin - mu cos)`.
 #[test]
 fn a_cube_slides_from_the_angle_of_friction_on() {
     let run = |tangent: f64| {
@@ -238,8 +239,8 @@ fn a_cube_slides_from_the_angle_of_friction_on() {
     }
 }
 
-/// A cube that spins on its face is slowed by friction over the face: `T = 0.94 mu m g r`, with the root of the
-/// mean square distance of the face's points from its middle, `r^2 = a^2/6`.
+/// A cube that spins on its face is slowed by friction over the face: `T = 0.94 mu m g r`, with the
+/// root of the mean square distance of the face's points from its middle, `r^2 = a^2/6`.
 #[test]
 fn friction_resists_spinning_on_a_face() {
     let mut scene = on_floor(0.5 * EDGE, Damping::Restitution(0.1));
@@ -342,8 +343,8 @@ mod symmetry {
     }
 
     proptest! {
-        // The same cases each time: in one of a thousand rounding grows beyond any bound (1.5e-6 m/s where it is
-        // 1e-6), and which one that is would be left to chance.
+        // The same cases each time: in one of a thousand rounding grows beyond any bound (1.5e-6
+        // m/s where it is 1e-6), and which one that is would be left to chance.
         #![proptest_config(ProptestConfig {
             rng_seed: RngSeed::Fixed(12),
             ..ProptestConfig::with_cases(12)
@@ -372,8 +373,8 @@ mod symmetry {
     }
 }
 
-/// A cube on a plate that slides on a spring: its weight is on the plate, the plate gives way by it over the
-/// rate, and without dashpots and friction cube and plate keep their energy.
+/// A cube on a plate that slides on a spring: its weight is on the plate, the plate gives way by it
+/// over the rate, and without dashpots and friction cube and plate keep their energy.
 #[test]
 fn a_cube_rests_on_a_plate_that_slides() {
     let on_plate = |e: f64, friction: f64| {
@@ -420,9 +421,10 @@ fn a_cube_rests_on_a_plate_that_slides() {
     assert!((mean / -weight - 1.0).abs() < 0.03, "{mean} {weight}");
 }
 
-/// On its corner a cube meets a wall with `F = kappa h^3/2`, `kappa = k/a^2`: it sinks in by
-/// `(4 m v^2 a^2/k)^(1/4)` at a speed v. The area of the section, `3 sqrt(3)/2 h^2`, damps it as a damping ratio
-/// `sqrt(3 sqrt(3)/2)` times that of the law does a linear spring, so that it loses more than on a face.
+/// On its corner a cube meets a wall with `F = kappa h^3/2`, `kappa = k/a^2`: it sinks in by `(4 m
+/// v^2 a^2/k)^(1/4)` at a speed v. The area of the section, `3 sqrt(3)/2 h^2`, damps it as a
+/// damping ratio `sqrt(3 sqrt(3)/2)` times that of the law does a linear spring, so that it loses
+/// more than on a face.
 #[test]
 fn a_corner_sinks_in_and_bounces_as_its_pyramid_does() {
     use tremie_grains_dem::{damping_ratio, restitution};

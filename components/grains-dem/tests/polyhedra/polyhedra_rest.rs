@@ -1,4 +1,5 @@
-//! Polyhedra that come to rest: on a face, in a tower, in a heap; and the same bits on any number of threads.
+//! Polyhedra that come to rest: on a face, in a tower, in a heap; and the same bits on any number
+//! of threads.
 
 use crate::common::solids::*;
 use crate::common::*;
@@ -22,8 +23,8 @@ fn dropped(name: &str) -> Scene {
     scene
 }
 
-/// It tumbles, loses energy all the time, and in the end lies on a face: a normal points straight down, and
-/// the centroid is as high as that face is deep.
+/// It tumbles, loses energy all the time, and in the end lies on a face: a normal points straight
+/// down, and the centroid is as high as that face is deep.
 #[test]
 fn what_is_dropped_comes_to_rest_on_a_face() {
     for name in ["cube", "octahedron", "dodecahedron", "wedge", "tetrahedron"] {
@@ -92,7 +93,8 @@ fn packed_solids(name: &str, region: [[f64; 3]; 2], fraction: f64, diameter: f64
     })
 }
 
-/// Octahedra, cubes and spheres that fall into a heap around a turning paddle, through periodic sides.
+/// Octahedra, cubes and spheres that fall into a heap around a turning paddle, through periodic
+/// sides.
 fn heap(prescribed: bool) -> Scene {
     let mut scene = scene([5e-3, 5e-3, 9e-3], FLOOR, law(1e4, 0.5, Damping::Restitution(0.3)));
     // Spheres would roll for ever.

@@ -23,8 +23,8 @@ fn hertz(modulus: f64, damping: Damping) -> ContactLaw {
     ContactLaw { spring, ..law(1.0, 0.0, damping) }
 }
 
-/// A ball on a wall, two balls against each other, one that falls: within 2 % under springs that are linear with any
-/// dashpot, within 4 % under Hertz's law with one.
+/// A ball on a wall, two balls against each other, one that falls: within 2 % under springs that
+/// are linear with any dashpot, within 4 % under Hertz's law with one.
 #[test]
 fn impacts_are_as_deep_as_foretold() {
     let linear = |e: f64| law(400.0, 0.0, Damping::Restitution(e));
@@ -56,7 +56,8 @@ fn impacts_are_as_deep_as_foretold() {
     }
 }
 
-/// A column in a shaft as wide as its grains: the lowest bears all of it, under both laws, within what it swings.
+/// A column in a shaft as wide as its grains: the lowest bears all of it, under both laws, within
+/// what it swings.
 #[test]
 fn a_column_presses_as_foretold() {
     for law in [law(500.0, 0.0, Damping::Restitution(0.05)), hertz(5e5, Damping::Restitution(0.05))]

@@ -242,7 +242,8 @@ fn all_may_go_and_others_come() {
     assert_eq!(state(&dem)[0].id, all.len() as u64);
 }
 
-/// Spheres that fall onto a surface which deforms, and one far away that goes and another that comes.
+/// Spheres that fall onto a surface which deforms, and one far away that goes and another that
+/// comes.
 fn run_on_surface(far: bool) -> Vec<BodyState> {
     let mut scene = scene([6e-3, 6e-3, 10e-3], WALLS, law(1e3, 0.5, Damping::Restitution(0.3)));
     scene.gravity = [0.2, 0.0, 9.81];

@@ -35,8 +35,8 @@ fn value(scene: &Scene, dem: &mut GrainsDem, name: &str) -> f64 {
 
 #[test]
 fn a_region_holds_the_volumes_inside_it() {
-    // One sphere whole inside, one cut in half by a face, one at the domain's edge that is seen in the
-    // region through periodic faces by a quarter.
+    // One sphere whole inside, one cut in half by a face, one at the domain's edge that is seen in
+    // the region through periodic faces by a quarter.
     let spheres = vec![
         sphere([2e-3, 2e-3, 2e-3], D, [1.0, 0.0, 0.0]),
         sphere([4e-3, 2e-3, 2e-3], D, [0.0, 2.0, 0.0]),

@@ -42,7 +42,8 @@ fn the_skin_does_not_enter_the_arithmetic() {
     assert_eq!(run(0.02, 1, 12_000), run(0.2, 1, 12_000));
 }
 
-/// Grains that fall through periodic sides onto a floor with a turning part, several blocks of them.
+/// Grains that fall through periodic sides onto a floor with a turning part, several blocks of
+/// them.
 fn crowd() -> Scene {
     let mut scene = scene([14e-3, 14e-3, 30e-3], FLOOR, law(1e3, 0.5, Damping::Restitution(0.6)));
     scene.gravity = [10.0, 3.0, -100.0];
@@ -97,8 +98,8 @@ fn a_body_far_away_changes_no_bit() {
     assert_eq!(alone[..spheres], with[..spheres]);
 }
 
-/// One linear law is computed for several contacts at once; a body of another law, far away, has all
-/// contacts computed one by one.
+/// One linear law is computed for several contacts at once; a body of another law, far away, has
+/// all contacts computed one by one.
 #[test]
 fn contacts_side_by_side_give_the_bits_of_contacts_one_by_one() {
     let mut more = crowd();

@@ -1,5 +1,5 @@
-//! Parts that go through periodic faces: their ends beyond the domain are no walls, and along themselves they slide as a
-//! wall of the domain does.
+//! Parts that go through periodic faces: their ends beyond the domain are no walls, and along
+//! themselves they slide as a wall of the domain does.
 
 use crate::common::*;
 use tremie_grains_dem::GrainsDem;
@@ -59,7 +59,8 @@ fn a_grain_flies_through_a_tube_for_several_periods() {
     assert!(dem.diagnostics().contacts < 2);
 }
 
-/// A floor of the domain that moves along itself, and an endless plate in its place: the same grain rolls on both.
+/// A floor of the domain that moves along itself, and an endless plate in its place: the same grain
+/// rolls on both.
 #[test]
 fn an_endless_plate_drags_as_a_wall_does() {
     let friction = law(2e3, 0.3, Damping::Restitution(0.5));
@@ -94,13 +95,14 @@ fn an_endless_plate_drags_as_a_wall_does() {
         assert!(norm(off) < 1e-9, "{:?} {:?}", a.position, b.position);
         assert!(norm(minus(a.velocity, b.velocity)) < 1e-9, "{:?} {:?}", a.velocity, b.velocity);
     }
-    // A sphere at rest that a plate drags ends up rolling, with 2/7 of its speed; here it goes further than a period.
+    // A sphere at rest that a plate drags ends up rolling, with 2/7 of its speed; here it goes
+    // further than a period.
     let [x, y, _] = plate[0].velocity;
     assert!((x - 0.3 * 2.0 / 7.0).abs() < 1e-3 && (y - 0.1 * 2.0 / 7.0).abs() < 1e-3, "{x} {y}");
 }
 
-/// A rod that turns about its axis and slides along it, between grains that rest on it in a trough: they are dragged
-/// both ways, wherever along the rod they are, at its ends too.
+/// A rod that turns about its axis and slides along it, between grains that rest on it in a trough:
+/// they are dragged both ways, wherever along the rod they are, at its ends too.
 #[test]
 fn a_rod_turns_and_slides_alike_everywhere() {
     let along = |x: f64| {
@@ -130,8 +132,8 @@ fn a_rod_turns_and_slides_alike_everywhere() {
     }
 }
 
-/// A tube with something that moves inside, as a pump has: grains are pushed along by a disc shorter than the domain, and
-/// go round with it.
+/// A tube with something that moves inside, as a pump has: grains are pushed along by a disc
+/// shorter than the domain, and go round with it.
 #[test]
 fn a_piston_in_a_tube_pushes_grains_round_and_round() {
     let mut pump =
@@ -151,7 +153,8 @@ fn a_piston_in_a_tube_pushes_grains_round_and_round() {
     pump.bodies = vec![set(Motion::Free, vec![grain])];
     let dem = run(&pump, 2e-5, 100_000);
     let after = state(&dem);
-    // Struck once, it flies ahead with 1.3 times the disc's speed, until it comes up to its back; so it goes on for ever.
+    // Struck once, it flies ahead with 1.3 times the disc's speed, until it comes up to its back;
+    // so it goes on for ever.
     assert!(after[0].velocity[2] > 0.2, "{:?}", after[0].velocity);
     let across = minus(after[0].position, [0.05, 0.05, after[0].position[2]]);
     assert!(norm(across) < 0.021, "{across:?}");

@@ -1,4 +1,5 @@
-//! A wall is one wall, however it is cut: into triangles, parts, planes, faces of the domain, or facets of a curve.
+//! A wall is one wall, however it is cut: into triangles, parts, planes, faces of the domain, or
+//! facets of a curve.
 
 use crate::common::walls::*;
 use crate::common::*;
@@ -134,8 +135,8 @@ fn moving_parts_flush_with_fixed_ones_are_one_wall() {
     }
 }
 
-/// Whoever is first in the manifest: the same bits, also where a sphere lands on the point that four parts share, and
-/// these are of different materials.
+/// Whoever is first in the manifest: the same bits, also where a sphere lands on the point that
+/// four parts share, and these are of different materials.
 #[test]
 fn the_order_of_parts_changes_nothing() {
     let mut four = cuts()[3].1.clone();
@@ -195,7 +196,8 @@ proptest! {
     }
 }
 
-/// Friction and rolling friction go on across seams: a sphere rolls, spins and comes to rest as on a plane.
+/// Friction and rolling friction go on across seams: a sphere rolls, spins and comes to rest as on
+/// a plane.
 #[test]
 fn a_sphere_rolls_across_seams_of_parts_as_over_one() {
     let run = |parts: Vec<Part>, planes: Vec<Plane>| {
@@ -221,7 +223,8 @@ fn a_sphere_rolls_across_seams_of_parts_as_over_one() {
     }
 }
 
-/// Half a millimetre beside the seam of a part with a face of the domain a sphere goes straight back up.
+/// Half a millimetre beside the seam of a part with a face of the domain a sphere goes straight
+/// back up.
 #[test]
 fn a_sphere_beside_the_seam_of_a_part_and_a_face_is_not_pushed_sideways() {
     for at in [19.5e-3, 20.5e-3] {
@@ -239,8 +242,8 @@ fn a_sphere_beside_the_seam_of_a_part_and_a_face_is_not_pushed_sideways() {
     }
 }
 
-/// A bore of four times the radius, its facets 1.4 to 6 degrees from each other, is as stiff as one wall at any
-/// overlap: a force F goes with the energy `F^2/(2 k)`.
+/// A bore of four times the radius, its facets 1.4 to 6 degrees from each other, is as stiff as one
+/// wall at any overlap: a force F goes with the energy `F^2/(2 k)`.
 #[test]
 fn a_bore_of_many_facets_is_as_stiff_as_one_wall() {
     let (r, big) = (0.5 * D, 2.0 * D);
@@ -259,7 +262,8 @@ fn a_bore_of_many_facets_is_as_stiff_as_one_wall() {
         for share in [0.01, 0.03, 0.05] {
             let (mut ends, mut deepest, mut asked) = ([f64::INFINITY, 0.0f64], 0.0f64, 0);
             for k in 0..9 {
-                // Let go where it touches, it bobs twice as deep as it rests, and slides over facets.
+                // Let go where it touches, it bobs twice as deep as it rests, and slides over
+                // facets.
                 let angle = 0.07 * f64::from(k);
                 let down = [angle.sin(), 0.0, -angle.cos()];
                 let mut scene = room(0.0, 1.0);
@@ -377,8 +381,9 @@ fn drift(mut scene: Scene, ball: ([f64; 3], [f64; 3]), restitution: f64, windows
     ends
 }
 
-/// Undamped and without friction, a sphere that is thrown into valleys, over edges and along curves keeps its energy to
-/// what a step of a fiftieth of a contact does to it; damped it never has more than at the start.
+/// Undamped and without friction, a sphere that is thrown into valleys, over edges and along curves
+/// keeps its energy to what a step of a fiftieth of a contact does to it; damped it never has more
+/// than at the start.
 #[test]
 fn no_way_along_a_wall_makes_energy() {
     let valley = |degrees: f64| {

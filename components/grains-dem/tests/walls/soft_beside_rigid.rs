@@ -1,4 +1,5 @@
-//! A wall is one wall also where a surface that deforms stands flush with a part, a plane or a face of the domain.
+//! A wall is one wall also where a surface that deforms stands flush with a part, a plane or a face
+//! of the domain.
 
 use crate::common::walls::*;
 use crate::common::*;
@@ -28,7 +29,8 @@ fn carrier() -> Part {
     part
 }
 
-/// A block of rubber between two corners [mm], its faces cut into squares of two triangles, so many along each edge.
+/// A block of rubber between two corners [mm], its faces cut into squares of two triangles, so many
+/// along each edge.
 fn rubber(low: [f64; 3], high: [f64; 3], cuts: usize) -> DeformableSurface {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for (axis, side) in (0..6).map(|k| (k / 2, k % 2)) {
@@ -124,7 +126,8 @@ fn sum(loads: &[FacetLoad]) -> [f64; 3] {
 
 type Floor = (&'static str, Vec<Part>, Vec<Plane>, Vec<DeformableSurface>);
 
-/// Ways to make a floor at the height `TOP` of rubber and rigid walls, with seams through the middle.
+/// Ways to make a floor at the height `TOP` of rubber and rigid walls, with seams through the
+/// middle.
 fn floors() -> Vec<Floor> {
     let left = block([-2.0, -2.0, 0.0], [20.0, 42.0, 10.0]);
     let front = block([20.0, -2.0, 0.0], [42.0, 20.0, 10.0]);
@@ -186,7 +189,8 @@ fn rubber_flush_with_rigid_walls_is_one_wall_with_them() {
     }
 }
 
-/// Half a millimetre beside the seam, above the rubber, it goes straight back up, and the rubber gets all that it loses.
+/// Half a millimetre beside the seam, above the rubber, it goes straight back up, and the rubber
+/// gets all that it loses.
 #[test]
 fn above_the_rubber_all_the_force_is_on_it() {
     for (what, parts, planes, surfaces) in floors() {
@@ -208,7 +212,8 @@ fn above_the_rubber_all_the_force_is_on_it() {
     }
 }
 
-/// Friction and rolling friction go on from metal to rubber and back: a sphere rolls, spins and comes to rest as on a plane.
+/// Friction and rolling friction go on from metal to rubber and back: a sphere rolls, spins and
+/// comes to rest as on a plane.
 #[test]
 fn a_sphere_rolls_from_metal_to_rubber_as_over_one() {
     let room = || {

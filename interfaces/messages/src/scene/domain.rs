@@ -98,10 +98,11 @@ pub enum Outflow {
     /// The pressure holds all over the face at any time, and throws sound back.
     #[default]
     Fixed,
-    /// Sound passes through; the pressure holds on average over the time that sound takes to cross the domain a few times.
+    /// Sound passes through; the pressure holds on average over the time that sound takes to cross
+    /// the domain a few times.
     Absorbing,
-    /// What arrives is carried out with the face's mean velocity `U`, as `df/dt + U df/dn = 0`: vortices and wakes pass;
-    /// the pressure holds on average, as at an absorbing face.
+    /// What arrives is carried out with the face's mean velocity `U`, as `df/dt + U df/dn = 0`:
+    /// vortices and wakes pass; the pressure holds on average, as at an absorbing face.
     Convective,
 }
 

@@ -60,7 +60,8 @@ fn body_set(
     })
 }
 
-/// The clumps whose mass is that of the union of their bodies; `None` where sets say what does not fit together.
+/// The clumps whose mass is that of the union of their bodies; `None` where sets say what does not
+/// fit together.
 pub(super) fn unions(tables: &[BodiesTable], findings: &mut Findings) -> Option<Vec<String>> {
     let mut said: Vec<(&str, ClumpMass, usize)> = Vec::new();
     let mut fits = true;

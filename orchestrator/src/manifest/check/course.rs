@@ -111,8 +111,8 @@ fn in_order(times: impl Iterator<Item = f64>, at: &str, findings: &mut Findings)
     true
 }
 
-/// A motion by its name, and the course that a prescribed one may have. Of one that a formula says, the velocities are
-/// those of the bodies, and zero here.
+/// A motion by its name, and the course that a prescribed one may have. Of one that a formula says,
+/// the velocities are those of the bodies, and zero here.
 pub(super) fn motion(
     name: MotionName,
     course: Option<&MotionCourseEntry>,

@@ -162,8 +162,8 @@ impl Findings {
         }
     }
 
-    /// The name of the table `at`, which becomes part of the names of signals: letters, digits, `_` and `others`. A second
-    /// one among `names` is a problem that `taken` words.
+    /// The name of the table `at`, which becomes part of the names of signals: letters, digits, `_`
+    /// and `others`. A second one among `names` is a problem that `taken` words.
     fn name(
         &mut self,
         name: &Option<String>,

@@ -1,6 +1,6 @@
-//! Bodies that are near each other, found by sorting their centres into boxes, for each class of sizes by itself: a bed of
-//! 200,000 listed spheres is checked in the time that it takes to read, also where one of them is a hundred times as wide
-//! as the others.
+//! Bodies that are near each other, found by sorting their centres into boxes, for each class of
+//! sizes by itself: a bed of 200,000 listed spheres is checked in the time that it takes to read,
+//! also where one of them is a hundred times as wide as the others.
 
 use tremie_messages::scene::Domain;
 
@@ -19,7 +19,8 @@ pub(super) struct Boxes<'a> {
 struct BoxGrid {
     /// Width of the widest of them [m].
     widest: f64,
-    /// The box that is filled: the domain's along axes that wrap around, and else that of the bodies.
+    /// The box that is filled: the domain's along axes that wrap around, and else that of the
+    /// bodies.
     min: [f64; 3],
     size: [f64; 3],
     count: [usize; 3],
@@ -29,8 +30,8 @@ struct BoxGrid {
 }
 
 impl<'a> Boxes<'a> {
-    /// Of bodies with their centres [m] and how wide they are [m]: two are near each other where their centres are less apart
-    /// than the mean of their widths.
+    /// Of bodies with their centres [m] and how wide they are [m]: two are near each other where
+    /// their centres are less apart than the mean of their widths.
     pub fn new(domain: &Domain, points: &'a [[f64; 3]], widths: &'a [f64]) -> Self {
         let mut own = Self {
             min: domain.min,
@@ -125,8 +126,8 @@ impl<'a> Boxes<'a> {
         first
     }
 
-    /// The boxes along an axis that overlap what is within `reach` [m] of a body, each once; those beyond a face that wraps
-    /// around count on.
+    /// The boxes along an axis that overlap what is within `reach` [m] of a body, each once; those
+    /// beyond a face that wraps around count on.
     fn around(
         &self,
         level: &BoxGrid,
@@ -172,7 +173,8 @@ mod tests {
     }
 
     proptest! {
-        /// As if all were compared; also in boxes that are few, with bodies of many sizes, and with points beyond faces.
+        /// As if all were compared; also in boxes that are few, with bodies of many sizes, and with
+        /// points beyond faces.
         #[test]
         fn who_is_near_is_found(
             bodies in prop::collection::vec((prop::array::uniform3(-0.2f64..1.2), -6.0f64..0.0), 1..60),
@@ -192,7 +194,8 @@ mod tests {
         }
     }
 
-    /// A lattice of small bodies and a wide one among them: what is compared for each does not grow with their number.
+    /// A lattice of small bodies and a wide one among them: what is compared for each does not grow
+    /// with their number.
     #[test]
     fn what_is_compared_grows_with_the_number_alone() {
         for n in [12, 24, 36_u32] {

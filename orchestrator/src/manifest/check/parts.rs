@@ -109,8 +109,8 @@ fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geom
     }
 }
 
-/// The unit quaternion `(x, y, z, w)` of a rotation by an angle about an axis. By `libm`, so that it
-/// has the same bits on every machine.
+/// The unit quaternion `(x, y, z, w)` of a rotation by an angle about an axis. By `libm`, so that
+/// it has the same bits on every machine.
 pub(super) fn orientation(
     table: &RotationTable,
     at: &str,

@@ -1,9 +1,9 @@
 //! Checks of where bodies are: inside the domain, on the right side of planes, apart.
 //!
-//! Bodies at rest on each other do overlap a little; up to a hundredth of a diameter is left to
-//! the contact law. Bodies that never move freely may reach into walls and into each other, as
-//! the spheres of a rough floor do. So may bodies of one clump into each other. Of polyhedra only the centroid is
-//! looked at here: the grains know how far they reach.
+//! Bodies at rest on each other do overlap a little; up to a hundredth of a diameter is left to the
+//! contact law. Bodies that never move freely may reach into walls and into each other, as the
+//! spheres of a rough floor do. So may bodies of one clump into each other. Of polyhedra only the
+//! centroid is looked at here: the grains know how far they reach.
 
 use super::super::path;
 use super::super::read::Findings;
@@ -100,8 +100,9 @@ fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
     }
 }
 
-/// Notes a sphere that a symmetry plane cuts and that cannot be its own image: one that moves freely, and one that moves
-/// but not within the plane. True if there is such a plane. One that is held at rest may be cut anywhere.
+/// Notes a sphere that a symmetry plane cuts and that cannot be its own image: one that moves
+/// freely, and one that moves but not within the plane. True if there is such a plane. One that is
+/// held at rest may be cut anywhere.
 fn cut_by_mirrors(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) -> bool {
     let Sphere { position, diameter, velocity, angular_velocity } = *body.sphere;
     let mut found = false;
@@ -153,7 +154,8 @@ fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {
     }
 }
 
-/// Notes overlaps: of each sphere with the first one listed before it, so that a pile of errors stays readable.
+/// Notes overlaps: of each sphere with the first one listed before it, so that a pile of errors
+/// stays readable.
 fn apart(bodies: &[Placed<'_>], domain: &Domain, findings: &mut Findings) {
     let points: Vec<[f64; 3]> = bodies.iter().map(|body| body.sphere.position).collect();
     let widths: Vec<f64> = bodies.iter().map(|body| body.sphere.diameter).collect();

@@ -16,7 +16,8 @@ use tremie_sdk::parameters::nearest;
 const FEWEST_SECTORS: u32 = 3;
 /// Most steps: beyond, a mistake is more likely than a wish.
 const MOST_SECTORS: u32 = 10_000;
-/// Stiffness of a seat that is given none, over that of the seal at rest: the seal, not the seat, gives way.
+/// Stiffness of a seat that is given none, over that of the seal at rest: the seal, not the seat,
+/// gives way.
 const SEAT_OVER_SEAL: f64 = 100.0;
 
 pub(super) fn surfaces(

@@ -1,4 +1,5 @@
-//! Checks of parts that slide: what a table lacks. Numbers are the component's to judge that moves them.
+//! Checks of parts that slide: what a table lacks. Numbers are the component's to judge that moves
+//! them.
 
 use super::super::document::{PreloadEntry, SliderSpringTable, SliderTable, StopsTable};
 use super::super::path;

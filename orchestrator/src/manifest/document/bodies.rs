@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
 
-/// Bodies of one material and one kind of motion. Exactly one of `spheres`, `polyhedra` and `packing`.
+/// Bodies of one material and one kind of motion. Exactly one of `spheres`, `polyhedra` and
+/// `packing`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct BodiesTable {
@@ -20,22 +21,24 @@ pub(in super::super) struct BodiesTable {
     pub material: Option<String>,
     /// How they move (default: free).
     pub motion: Option<MotionName>,
-    /// The clump that they belong to: all free bodies of sets with the same name here are joined rigidly
-    /// (default: each moves by itself).
+    /// The clump that they belong to: all free bodies of sets with the same name here are joined
+    /// rigidly (default: each moves by itself).
     pub clump: Option<String>,
-    /// How heavy their clump is, and how much fluid it displaces: as its bodies together, also where these overlap, or as
-    /// their union (default: together). All sets of a clump that say it say the same.
+    /// How heavy their clump is, and how much fluid it displaces: as its bodies together, also
+    /// where these overlap, or as their union (default: together). All sets of a clump that say it
+    /// say the same.
     pub mass: Option<ClumpMass>,
-    /// Velocities of a prescribed motion over time (default: those that they were placed with); or a formula for the factor
-    /// of those: `{ sine = { frequency = "2 Hz" } }`.
+    /// Velocities of a prescribed motion over time (default: those that they were placed with); or
+    /// a formula for the factor of those: `{ sine = { frequency = "2 Hz" } }`.
     pub course: Option<MotionCourseEntry>,
-    /// Whether pose, velocity, spin and the fluid's load of each of its bodies, or of the clump that they belong to, are
-    /// signals (default: of a set that lists one body and of a clump they are, as long as there are no more than 16 of these in all).
+    /// Whether pose, velocity, spin and the fluid's load of each of its bodies, or of the clump
+    /// that they belong to, are signals (default: of a set that lists one body and of a clump they
+    /// are, as long as there are no more than 16 of these in all).
     pub follow: Option<bool>,
     /// Each sphere given.
     pub spheres: Option<Vec<SphereTable>>,
-    /// Shape of polyhedra: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron, dodecahedron or
-    /// icosahedron (default: the bodies are spheres).
+    /// Shape of polyhedra: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron,
+    /// dodecahedron or icosahedron (default: the bodies are spheres).
     pub shape: Option<String>,
     /// Each polyhedron given.
     pub polyhedra: Option<Vec<PolyhedronTable>>,
@@ -95,14 +98,15 @@ pub(in super::super) struct SphereTable {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct PackingTable {
-    /// Lower corner of the region; whole spheres lie inside, or across the faces of a periodic domain
-    /// that the region spans. Required.
+    /// Lower corner of the region; whole spheres lie inside, or across the faces of a periodic
+    /// domain that the region spans. Required.
     pub min: Option<[Length; 3]>,
     /// Upper corner of the region. Required.
     pub max: Option<[Length; 3]>,
     /// Volume of the bodies over volume of the region. Required.
     pub fraction: Option<f64>,
-    /// One diameter for all (of polyhedra that of a sphere of the same volume), or `[smallest, largest]` of a uniform distribution.
+    /// One diameter for all (of polyhedra that of a sphere of the same volume), or `[smallest,
+    /// largest]` of a uniform distribution.
     pub diameter: Option<DiameterEntry>,
     /// Diameters to draw from, each equally likely, or a distribution.
     pub diameters: Option<DiametersEntry>,

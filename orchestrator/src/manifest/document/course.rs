@@ -10,13 +10,15 @@ use tremie_messages::units::{Angle, Frequency, Time};
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub(in super::super) enum CourseEntry {
-    /// Points in the order of time: `[["0 s", 0.0], ["1 s", 1.0]]`; constant before the first and after the last.
+    /// Points in the order of time: `[["0 s", 0.0], ["1 s", 1.0]]`; constant before the first and
+    /// after the last.
     Points(Vec<(Time, f64)>),
     /// A formula.
     Formula(FormulaTable),
 }
 
-/// Velocities over time: points, between which they are linear, or a formula for the factor of constant ones.
+/// Velocities over time: points, between which they are linear, or a formula for the factor of
+/// constant ones.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub(in super::super) enum MotionCourseEntry {
@@ -34,8 +36,8 @@ pub(in super::super) struct FormulaTable {
     pub sine: Option<SineTable>,
     /// A rise or a fall, linear between two times and constant before and after.
     pub ramp: Option<RampTable>,
-    /// Points that come again and again, linear between them: `[["0 s", 0.0], ["1 s", 1.0], ["3 s", 0.0]]`; the time from
-    /// the first to the last is the period.
+    /// Points that come again and again, linear between them: `[["0 s", 0.0], ["1 s", 1.0], ["3 s",
+    /// 0.0]]`; the time from the first to the last is the period.
     pub repeat: Option<Vec<(Time, f64)>>,
 }
 

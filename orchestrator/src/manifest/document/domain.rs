@@ -86,20 +86,21 @@ pub(in super::super) struct FaceTable {
     /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
     /// holds on average (default: false).
     pub absorbing: Option<bool>,
-    /// Way in which what arrives from inside leaves through a pressure face (default: fixed); `absorbing = true` is short for
-    /// `outflow = "absorbing"`.
+    /// Way in which what arrives from inside leaves through a pressure face (default: fixed);
+    /// `absorbing = true` is short for `outflow = "absorbing"`.
     pub outflow: Option<Outflow>,
     /// The fluid comes from a reservoir with a piston that is not simulated.
     pub reservoir: Option<ReservoirTable>,
-    /// Time in which velocity or pressure rise from zero, that of a moving wall too (default: none).
+    /// Time in which velocity or pressure rise from zero, that of a moving wall too (default:
+    /// none).
     pub ramp: Option<Time>,
-    /// Factor of velocity or pressure over time: linear between points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula,
-    /// `{ sine = { frequency = "2 Hz" } }`.
+    /// Factor of velocity or pressure over time: linear between points, `[["0 s", 0.0], ["1 s",
+    /// 1.0]]`, or a formula, `{ sine = { frequency = "2 Hz" } }`.
     pub course: Option<CourseEntry>,
 }
 
-/// A cylinder beyond the face, of uniform density, closed by a piston. The physics depends on the ratio
-/// of volume and area alone: where symmetry planes cut it, both may be those of the whole.
+/// A cylinder beyond the face, of uniform density, closed by a piston. The physics depends on the
+/// ratio of volume and area alone: where symmetry planes cut it, both may be those of the whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ReservoirTable {
@@ -111,12 +112,13 @@ pub(in super::super) struct ReservoirTable {
     pub piston: Option<Velocity>,
     /// Time in which the piston's velocity rises from zero (default: none).
     pub ramp: Option<Time>,
-    /// Factor of the piston's velocity over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula.
+    /// Factor of the piston's velocity over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a
+    /// formula.
     pub course: Option<CourseEntry>,
     /// Time from which on the piston stands still (default: never).
     pub stop: Option<Time>,
-    /// Part of its difference from the face's mean that the normal velocity of a cell at the face loses
-    /// in a step, from 0 to 1 (default: 0.02); 0 switches it off.
+    /// Part of its difference from the face's mean that the normal velocity of a cell at the face
+    /// loses in a step, from 0 to 1 (default: 0.02); 0 switches it off.
     pub relaxation: Option<f64>,
 }
 

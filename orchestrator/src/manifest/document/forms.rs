@@ -86,8 +86,8 @@ where
     }
 }
 
-/// Reads an enum of forms: `Enum: "what is expected", Word => Variant, Table => Variant`. A form that is left out is refused in
-/// those words.
+/// Reads an enum of forms: `Enum: "what is expected", Word => Variant, Table => Variant`. A form
+/// that is left out is refused in those words.
 macro_rules! read_by_form {
     ($name:ident: $expecting:expr, Word => $word:ident, Table => $table:ident) => {
         read_by_form!(@ $name, $expecting, _, Never, _, Word $word, Table $table, List);

@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{Density, Length, Time, Velocity};
 
-/// A region that is kept filled with spheres, which come during the run. Exactly one of `diameter` and
-/// `diameters`; either `bodies`, or a density or a material of its own.
+/// A region that is kept filled with spheres, which come during the run. Exactly one of `diameter`
+/// and `diameters`; either `bodies`, or a density or a material of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct InletTable {
@@ -18,14 +18,15 @@ pub(in super::super) struct InletTable {
     pub bodies: Option<String>,
     /// Density of a set of its own (default: the material's).
     pub density: Option<Density>,
-    /// Material of a set of its own, one of `[scene.materials]` (default: one of the inlet's own name).
+    /// Material of a set of its own, one of `[scene.materials]` (default: one of the inlet's own
+    /// name).
     pub material: Option<String>,
     /// Lower corner of the region; whole spheres lie inside, and outside of parts. Required.
     pub min: Option<[Length; 3]>,
     /// Upper corner of the region. Required.
     pub max: Option<[Length; 3]>,
-    /// Solid fraction at which the spheres flow on, in the mean over time: that of the region outside of parts from
-    /// where they come on. Required.
+    /// Solid fraction at which the spheres flow on, in the mean over time: that of the region
+    /// outside of parts from where they come on. Required.
     pub fraction: Option<f64>,
     /// One diameter for all, or `[smallest, largest]` of a uniform distribution.
     pub diameter: Option<DiameterEntry>,
@@ -33,8 +34,8 @@ pub(in super::super) struct InletTable {
     pub diameters: Option<DiametersEntry>,
     /// Time between insertions, rounded up to whole windows (default: 50 steps of the grains).
     pub every: Option<Time>,
-    /// Velocity with which spheres come: a vector, or `{ face = "z_lower" }` for the mean velocity of the
-    /// fluid at an open face. Required.
+    /// Velocity with which spheres come: a vector, or `{ face = "z_lower" }` for the mean velocity
+    /// of the fluid at an open face. Required.
     pub velocity: Option<InletVelocityEntry>,
     /// Time from which on none comes (default: never).
     pub until: Option<Time>,

@@ -84,13 +84,15 @@ pub(super) struct RunTable {
 pub(super) struct ComponentTable {
     /// A built-in component, or the path of any other program. Required.
     pub program: Option<String>,
-    /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder or fields).
+    /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder
+    /// or fields).
     pub role: Option<Role>,
-    /// Threads that it may use to compute (default: all cores for a fluid and for grains, else one). Fluid and
-    /// grains try in their first steps, and now and then, whether more than one pays; results do not depend on it.
+    /// Threads that it may use to compute (default: all cores for a fluid and for grains, else
+    /// one). Fluid and grains try in their first steps, and now and then, whether more than one
+    /// pays; results do not depend on it.
     pub threads: Option<NonZeroU32>,
-    /// Substeps in a coupling window, fixed (default: as few as are stable). A rubber makes those of the
-    /// grains.
+    /// Substeps in a coupling window, fixed (default: as few as are stable). A rubber makes those
+    /// of the grains.
     pub sync_iter: Option<NonZeroU32>,
     /// For an observer: whether physics waits, boundedly, rather than lose a frame of it
     /// (default: only for the programs `recorder` and `fields`).

@@ -7,7 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{Angle, AngularVelocity, Length, Pressure, Time, Velocity};
 
-/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder`, `sphere` and `revolved`.
+/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder`, `sphere` and
+/// `revolved`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct PartTable {
@@ -34,15 +35,15 @@ pub(in super::super) struct PartTable {
     pub cavity: Option<bool>,
     /// Its material, for contacts (default: the domain's).
     pub material: Option<String>,
-    /// How it moves, about the origin of its frame: fixed, prescribed, or a table with a slider (default:
-    /// fixed).
+    /// How it moves, about the origin of its frame: fixed, prescribed, or a table with a slider
+    /// (default: fixed).
     pub motion: Option<PartMotionEntry>,
     /// Velocity of a prescribed motion (default: at rest).
     pub velocity: Option<[Velocity; 3]>,
     /// Angular velocity of a prescribed motion (default: none).
     pub angular_velocity: Option<[AngularVelocity; 3]>,
-    /// Velocities of a prescribed motion over time, in place of constant ones; or a formula for their factor:
-    /// `{ sine = { frequency = "2 Hz" } }`.
+    /// Velocities of a prescribed motion over time, in place of constant ones; or a formula for
+    /// their factor: `{ sine = { frequency = "2 Hz" } }`.
     pub course: Option<MotionCourseEntry>,
     /// What the part is to the fluid (default: a wall without slip).
     pub boundary: Option<BoundaryTable>,
@@ -78,9 +79,9 @@ pub(in super::super) struct PartSphereTable {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct RevolvedTable {
-    /// Its corners, radius and z: `[["0 mm", "0 mm"], ["5 mm", "0 mm"], ["0 mm", "8 mm"]]` is a cone. The
-    /// axis closes a profile that begins and ends on it; the last corner and the first close any other.
-    /// Required.
+    /// Its corners, radius and z: `[["0 mm", "0 mm"], ["5 mm", "0 mm"], ["0 mm", "8 mm"]]` is a
+    /// cone. The axis closes a profile that begins and ends on it; the last corner and the first
+    /// close any other. Required.
     pub profile: Option<Vec<[Length; 2]>>,
 }
 
@@ -104,6 +105,7 @@ pub(in super::super) struct BoundaryTable {
     pub pressure: Option<Pressure>,
     /// Time in which velocity or pressure rise from zero (default: none).
     pub ramp: Option<Time>,
-    /// Factor of velocity or pressure over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula.
+    /// Factor of velocity or pressure over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a
+    /// formula.
     pub course: Option<CourseEntry>,
 }

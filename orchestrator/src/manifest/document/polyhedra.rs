@@ -5,8 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{AngularVelocity, Length, Velocity};
 
-/// A shape of polyhedra, convex. It has no size of its own: each body says how large it is. Exactly one of
-/// `vertices` and `file`.
+/// A shape of polyhedra, convex. It has no size of its own: each body says how large it is. Exactly
+/// one of `vertices` and `file`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ShapeTable {
@@ -14,8 +14,8 @@ pub(in super::super) struct ShapeTable {
     pub name: Option<String>,
     /// Its corners, at any scale: 4 to 32 points, none inside the others' hull.
     pub vertices: Option<Vec<[f64; 3]>>,
-    /// A file of triangles, STL or OBJ, of a closed convex solid; its path is relative to the manifest's
-    /// folder.
+    /// A file of triangles, STL or OBJ, of a closed convex solid; its path is relative to the
+    /// manifest's folder.
     pub file: Option<String>,
 }
 

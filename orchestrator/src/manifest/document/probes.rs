@@ -15,15 +15,17 @@ pub(in super::super) struct ProbeTable {
     pub point: Option<[Length; 3]>,
     /// A line: their means along it.
     pub line: Option<LineTable>,
-    /// A rectangle across an axis: rate of flow of the fluid alone, positive along the axis, and mean
-    /// pressure; mass and number of grains that pass.
+    /// A rectangle across an axis: rate of flow of the fluid alone, positive along the axis, and
+    /// mean pressure; mass and number of grains that pass.
     pub section: Option<SectionTable>,
-    /// A rectangle across an axis, cut into strips: mean velocity of the fluid along the axis in each of them.
+    /// A rectangle across an axis, cut into strips: mean velocity of the fluid along the axis in
+    /// each of them.
     pub profile: Option<ProfileTable>,
-    /// A box: means of pressure, velocity and solid fraction; fraction, number and velocity of grains.
+    /// A box: means of pressure, velocity and solid fraction; fraction, number and velocity of
+    /// grains.
     pub region: Option<RegionTable>,
-    /// A hollow cylinder: the same of the fluid; number of grains, their area as seen along its axis, and
-    /// that over its own.
+    /// A hollow cylinder: the same of the fluid; number of grains, their area as seen along its
+    /// axis, and that over its own.
     pub ring: Option<ProbeRingTable>,
 }
 

@@ -53,8 +53,8 @@ pub(in super::super) struct SliderTable {
     pub stops: Option<StopsTable>,
 }
 
-/// A spring: `rate` and `preload` make it linear, `stroke` besides makes it stiffen as a tangent up to that
-/// lift; or a table.
+/// A spring: `rate` and `preload` make it linear, `stroke` besides makes it stiffen as a tangent up
+/// to that lift; or a table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct SliderSpringTable {

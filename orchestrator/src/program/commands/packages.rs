@@ -7,7 +7,7 @@ use crate::terminal::standard::{answer_text, complain, complain_text};
 use clap::ArgMatches;
 use std::path::Path;
 use std::process::ExitCode;
-use tremie_results::{CommandError, FinishedRun, SIGNALS, Signals};
+use tremie_results::{CommandError, FinishedRun, signals_of};
 
 /// A command on arguments alone.
 pub fn of_package(work: OnArguments, arguments: &ArgMatches) -> ExitCode {
@@ -20,13 +20,9 @@ pub fn reader(work: OnRun, out: &Path, arguments: &ArgMatches) -> ExitCode {
 }
 
 fn finished(out: &Path) -> Result<FinishedRun, String> {
-    let signals = Signals::read(&out.join(SIGNALS))
-        .map_err(|error| format!("{error}\nOUT is the folder of a run, with its {SIGNALS}"))?;
+    let signals = signals_of(out).map_err(|error| error.to_string())?;
     if let Some(cut) = &signals.cut {
         complain(format_args!("warning: {cut}"));
-    }
-    if signals.times.is_empty() {
-        return Err(format!("{}: its {SIGNALS} has no whole row", out.display()));
     }
     let manifest = manifest::load(out, &[]).map_err(|errors| errors.to_string())?;
     Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: manifest.spec.scene })

@@ -8,7 +8,7 @@ use crate::outputs::{Ending, RunFolder, Summary};
 use crate::preflight;
 use crate::program::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::registry::LOGS_SHOWN;
-use crate::run::{Ended, Execution, Prepared, RunError, measured_time, prepare};
+use crate::run::{Ended, Execution, Prepared, RunCall, RunError, measured_time, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -102,7 +102,13 @@ fn run_checked(
     // Findings beyond these come from the run's signals, and are shown at its end.
     let known = prepared.findings.len();
     terminal.say(&format!("outputs in {}", out.path().display()));
-    let executed = prepared.execute(manifest, &mut out, &execution, terminal, &interrupts);
+    let executed = prepared.execute(RunCall {
+        manifest,
+        out: &mut out,
+        execution: &execution,
+        terminal,
+        interrupts: &interrupts,
+    });
     // An error, unlike a fault, means that no window was made: its files are of no use.
     if executed.is_err() {
         out.clear();

@@ -25,7 +25,8 @@ const REPLY_LINE: u64 = 64 << 20;
 /// Longest part of a line that is no reply that goes into the message [characters].
 const GARBAGE: usize = 1000;
 
-/// Passes on replies from a component's standard output; then, at its end, [`ComponentEvent::Closed`].
+/// Passes on replies from a component's standard output; then, at its end,
+/// [`ComponentEvent::Closed`].
 pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<PeerEvent>) {
     for line in lines(output, REPLY_LINE) {
         let news = match serde_json::from_str(&line) {

@@ -5,7 +5,7 @@ use crate::manifest;
 use crate::outputs::{self, Ending, RunFolder, Summary};
 use crate::registry::WINDOW;
 use crate::run::launch::this_program;
-use crate::run::{Execution, prepare};
+use crate::run::{Execution, RunCall, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::Path;
 use std::process::Stdio;
@@ -65,7 +65,13 @@ fn idle_run(bodies: usize, windows: u64, poll: Option<Duration>) -> Result<Summa
     let prepared = prepared.map_err(|error| text(&error))?;
     let mut terminal = Terminal::new(Style::Silent);
     let mut out = RunFolder::claim(path).map_err(|error| text(&error))?;
-    let ended = prepared.execute(&manifest, &mut out, &execution, &mut terminal, &nobody);
+    let ended = prepared.execute(RunCall {
+        manifest: &manifest,
+        out: &mut out,
+        execution: &execution,
+        terminal: &mut terminal,
+        interrupts: &nobody,
+    });
     let summary = ended.map_err(|error| text(&error))?.close();
     match summary.ending {
         Ending::Completed => Ok(summary),

@@ -4,7 +4,7 @@ use super::ConformArgs;
 use crate::manifest::{self, Manifest, START_WITHIN};
 use crate::outputs::{RunFolder, Summary};
 use crate::run::launch::{ComponentEvent, Launcher, Peer, PeerEvent, Program};
-use crate::run::{Execution, prepare};
+use crate::run::{Execution, RunCall, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
@@ -150,7 +150,13 @@ impl Subject {
         let ended = prepare(&manifest, folder, out.path(), &execution, &nobody)
             .and_then(|prepared| {
                 let mut terminal = Terminal::new(Style::Silent);
-                prepared.execute(&manifest, &mut out, &execution, &mut terminal, &nobody)
+                prepared.execute(RunCall {
+                    manifest: &manifest,
+                    out: &mut out,
+                    execution: &execution,
+                    terminal: &mut terminal,
+                    interrupts: &nobody,
+                })
             })
             .map_err(text)?;
         let signals = std::fs::read_to_string(out.file(crate::outputs::SIGNALS))

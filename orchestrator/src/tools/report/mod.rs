@@ -10,14 +10,14 @@ pub mod sheet;
 
 use panels::Panel;
 use std::path::{Path, PathBuf};
-use tremie_results::{Cut, SIGNALS, Signals, UnreadableSignals, run_name};
+use tremie_results::{Cut, NoSignals, Signals, run_name, signals_of};
 
 /// A report could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A run left no table of signals.
-    #[error("{0}\nOUT is the folder of a run, with its {SIGNALS}")]
-    Signals(#[from] UnreadableSignals),
+    /// A run left no signals.
+    #[error("{0}")]
+    Signals(#[from] NoSignals),
     /// A signal that was asked for is not there.
     #[error("{}: {message}", out.display())]
     Unknown {
@@ -26,9 +26,6 @@ pub enum ReportError {
         /// A sentence, with the nearest signal there is.
         message: String,
     },
-    /// A run ended before its first row.
-    #[error("{0}: its {SIGNALS} has no whole row: there is nothing to draw")]
-    Empty(String),
     /// Nothing in these runs changes.
     #[error("no signal of {0} changes over time: there is nothing to draw")]
     Nothing(String),
@@ -70,7 +67,7 @@ pub struct Report {
 pub fn report(outs: &[PathBuf], wanted: &[String]) -> Result<Report, ReportError> {
     let mut runs = Vec::new();
     for out in outs {
-        let signals = Signals::read(&out.join(SIGNALS))?;
+        let signals = signals_of(out)?;
         for name in wanted {
             if !signals.columns.keys().any(|key| panels::begins(key, name)) {
                 let message = signals.column(name).err().unwrap_or_default();
@@ -81,9 +78,6 @@ pub fn report(outs: &[PathBuf], wanted: &[String]) -> Result<Report, ReportError
     }
     let mut report = panels::sort(&runs, wanted);
     report.cuts.extend(runs.iter().filter_map(|run| run.signals.cut.clone()));
-    if let Some(run) = runs.iter().find(|run| run.signals.times.is_empty()) {
-        return Err(ReportError::Empty(run.name.clone()));
-    }
     if report.panels.is_empty() {
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         return Err(ReportError::Nothing(names.join(", ")));

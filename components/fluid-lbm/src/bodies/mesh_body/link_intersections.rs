@@ -14,15 +14,15 @@ const GRAZING: f64 = 0.1;
 pub struct Intersection {
     /// As part of the link's length, in `(0, 1]`.
     pub q: f64,
-    /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
-    /// where it is met at a grazing angle.
+    /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal;
+    /// zero where it is met at a grazing angle.
     pub slope: [f64; 3],
     /// Place on the surface, if that can deform.
     pub hit: Hit,
 }
 
-/// Facets near a cell at most, to try each for each of its links; where there are more, the surface's
-/// tree is faster.
+/// Facets near a cell at most, to try each for each of its links; where there are more, the
+/// surface's tree is faster.
 const MOST_FACETS: usize = 16;
 
 /// Facets near a cell, for the links that begin there.

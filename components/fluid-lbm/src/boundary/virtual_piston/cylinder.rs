@@ -5,8 +5,8 @@
 //! ```
 //!
 //! `N` cells lie at the face, `L` is the cylinder's volume over the piston's area, `H` the piston's
-//! way. That the area is `N` cells whatever the piston's is keeps `L`, and with it the physics, where
-//! cells follow a round bore only roughly, and in models that symmetry planes cut.
+//! way. That the area is `N` cells whatever the piston's is keeps `L`, and with it the physics,
+//! where cells follow a round bore only roughly, and in models that symmetry planes cut.
 //!
 //! Kept is the excess `M - N (L - H)`, so that rounding is relative to the flow.
 
@@ -79,9 +79,9 @@ impl Cylinder {
         (self.excess, self.literal) = (drho * self.count * self.left(), drho);
     }
 
-    /// Moves the piston through the step that begins at a time [s]; the midpoint's velocity makes its
-    /// way exact where the course is linear. `face` is the mean velocity into the domain at the step's
-    /// begin. Returns whether the piston is clear of the face; if not, nothing has changed.
+    /// Moves the piston through the step that begins at a time [s]; the midpoint's velocity makes
+    /// its way exact where the course is linear. `face` is the mean velocity into the domain at the
+    /// step's begin. Returns whether the piston is clear of the face; if not, nothing has changed.
     #[must_use]
     pub fn advance(&mut self, time: f64, face: f64, units: &Units) -> bool {
         let middle = time + 0.5 * units.time_step;

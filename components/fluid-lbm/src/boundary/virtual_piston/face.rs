@@ -12,14 +12,14 @@
 //!
 //! (Mutabaruka & Kamrin, Eq. 31; `u_n` does not depend on how the missing mass is divided among the
 //! directions that enter.) What a cell then holds more than before streaming brought the cylinder's
-//! fluid to it is what the cylinder loses, with what links to walls brought to these cells: cylinder and domain
-//! together keep their mass to rounding.
-//! Their `rho` from the velocity at the face instead has a mode of two steps that grows where the
-//! cylinder is short and the viscosity low.
+//! fluid to it is what the cylinder loses, with what links to walls brought to these cells:
+//! cylinder and domain together keep their mass to rounding. Their `rho` from the velocity at the
+//! face instead has a mode of two steps that grows where the cylinder is short and the viscosity
+//! low.
 //!
-//! The full equilibrium has no viscous stress; the flow is straight at the face, `u_t = 0`. Cells that
-//! bodies cover are left out. A body that appears in the middle of a run gives back what it displaces
-//! (`displaced_fluid`); one that moves there does not.
+//! The full equilibrium has no viscous stress; the flow is straight at the face, `u_t = 0`. Cells
+//! that bodies cover are left out. A body that appears in the middle of a run gives back what it
+//! displaces (`displaced_fluid`); one that moves there does not.
 
 use crate::boundary::face_scheme::{
     FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
@@ -189,7 +189,8 @@ impl ReservoirFace {
 }
 
 impl<T: Real> FaceScheme<T> for ReservoirFace {
-    /// Moves the piston through the step; fails where it comes too close to the face, and nothing has changed then.
+    /// Moves the piston through the step; fails where it comes too close to the face, and nothing
+    /// has changed then.
     fn begin(&mut self, begin: &StepBegin<T>, _team: &mut Team) -> Result<(), FluidError> {
         if self.cylinder.advance(begin.time, self.mean, begin.units) {
             return Ok(());
@@ -203,8 +204,8 @@ impl<T: Real> FaceScheme<T> for ReservoirFace {
         })
     }
 
-    /// Gives the cells at the face their populations, and lets the cylinder lose what they gained; fails where the flow through
-    /// the face is too fast for the lattice, or not finite.
+    /// Gives the cells at the face their populations, and lets the cylinder lose what they gained;
+    /// fails where the flow through the face is too fast for the lattice, or not finite.
     fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
         let (cells, drho) = (&self.cells, self.cylinder.drho());
         let [axis, side] = [self.axis, self.side];

@@ -8,7 +8,8 @@ use tremie_messages::scene::{
 };
 
 impl LatticeOrientation {
-    /// A scene by the lattice's axes, but for its sets of bodies: a fluid gets to know those from events.
+    /// A scene by the lattice's axes, but for its sets of bodies: a fluid gets to know those from
+    /// events.
     pub fn scene(self, scene: &Scene) -> Scene {
         Scene {
             gravity: self.to_lattice(&scene.gravity),

@@ -50,7 +50,8 @@ fn poses_turn_as_vectors_do() {
     }
 }
 
-/// Rows lie along the longest way through the fluid, but where that gains little, or the ends of shorter rows are those of lines.
+/// Rows lie along the longest way through the fluid, but where that gains little, or the ends of
+/// shorter rows are those of lines.
 #[test]
 fn rows_are_long() {
     let of = |size: [f64; 3]| {
@@ -83,8 +84,8 @@ fn lines_in_pieces_are_counted() {
     assert_eq!(of(1, 4), [5, 3]);
 }
 
-/// Of two walls at an edge, or two open faces, the same one counts as by the world's axes: each cell holds what it holds there, to
-/// rounding.
+/// Of two walls at an edge, or two open faces, the same one counts as by the world's axes: each
+/// cell holds what it holds there, to rounding.
 #[test]
 fn edges_belong_to_the_same_faces() {
     let wall = |velocity| Face::moving(velocity);

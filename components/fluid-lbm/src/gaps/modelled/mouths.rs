@@ -1,4 +1,5 @@
-//! The links from fluid cells into frozen ones: they are reflected half-way, and their cells are around the gap.
+//! The links from fluid cells into frozen ones: they are reflected half-way, and their cells are
+//! around the gap.
 
 use super::ModelledGaps;
 use crate::boundary::gap_sinks::NO_GAP;
@@ -22,7 +23,8 @@ struct Mouth {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mouths {
     list: Vec<Mouth>,
-    /// By stored cell, whether it was frozen or adjoined a frozen one when they were listed, and which cells those are.
+    /// By stored cell, whether it was frozen or adjoined a frozen one when they were listed, and
+    /// which cells those are.
     matters: Vec<bool>,
     around: Vec<u32>,
     /// True if they were listed at all.
@@ -72,7 +74,8 @@ impl Mouths {
 }
 
 impl ModelledGaps {
-    /// Lists the links from fluid cells into frozen ones, if cells changed hands on which these depend.
+    /// Lists the links from fluid cells into frozen ones, if cells changed hands on which these
+    /// depend.
     pub fn find_mouths(&mut self, flags: &CellFlags, layout: &Layout) {
         let mouths = &self.mouths;
         let changed = flags.changed().iter();

@@ -30,8 +30,8 @@ impl BlockedLinks {
 }
 
 impl AaPattern {
-    /// The table for stored cells in lines of `line`. `special` says which fixtures' links are listed
-    /// in [`BlockedLinks::blocked`] instead of [`BlockedLinks::reflections`].
+    /// The table for stored cells in lines of `line`. `special` says which fixtures' links are
+    /// listed in [`BlockedLinks::blocked`] instead of [`BlockedLinks::reflections`].
     pub fn new(
         grid: &Grid,
         cells: &CellList,
@@ -105,15 +105,7 @@ impl AaPattern {
                     LinkEnd::BoundaryId(_) => (i, first + lane),
                 };
                 let place = (plane * self.stride + cell - lane) as u32;
-                // Lanes with the same `place` lie side by side in memory.
-                let piece = self.pieces[begin..].iter_mut().find(|p| p.place == place);
-                match piece {
-                    Some(piece) => piece.lanes |= 1 << lane,
-                    None => {
-                        let dir = i as u8;
-                        self.pieces.push(Piece { place, lanes: 1 << lane, dir, last: false });
-                    }
-                }
+                self.add_to_piece(begin, place, lane, i);
                 let own = Reflection {
                     place,
                     mirror_cell: cell as i32 - lane as i32,
@@ -137,18 +129,7 @@ impl AaPattern {
                     }
                 }
             }
-            match self.pieces[begin..] {
-                [Piece { place, lanes, .. }] if lanes == all => {
-                    entry[i] = place;
-                    self.pieces.truncate(begin);
-                }
-                _ => {
-                    self.pieces.last_mut().expect("a line has a cell").last = true;
-                    // Direction 0 never moves, so its entry has room for the bits of directions in
-                    // pieces.
-                    entry[0] |= 1 << i;
-                }
-            }
+            self.end_direction(i, begin, all, &mut entry);
         }
         let kind = self.sort_pieces(first_piece, &mut entry);
         let row_end = RowEnd::of(&self.pieces[first_piece..], all);
@@ -163,6 +144,36 @@ impl AaPattern {
         self.ways.push(Way { follows, row_end });
     }
 
+    /// Adds a lane of direction `i` to the piece at its place; those of the direction are from
+    /// `begin` on.
+    fn add_to_piece(&mut self, begin: usize, place: u32, lane: usize, i: usize) {
+        // Lanes with the same `place` lie side by side in memory.
+        match self.pieces[begin..].iter_mut().find(|piece| piece.place == place) {
+            Some(piece) => piece.lanes |= 1 << lane,
+            None => {
+                let dir = i as u8;
+                self.pieces.push(Piece { place, lanes: 1 << lane, dir, last: false });
+            }
+        }
+    }
+
+    /// Ends the pieces of direction `i`, those from `begin` on: one that has `all` lanes becomes
+    /// the line's entry.
+    fn end_direction(&mut self, i: usize, begin: usize, all: u16, entry: &mut [u32; Q]) {
+        match self.pieces[begin..] {
+            [Piece { place, lanes, .. }] if lanes == all => {
+                entry[i] = place;
+                self.pieces.truncate(begin);
+            }
+            _ => {
+                self.pieces.last_mut().expect("a line has a cell").last = true;
+                // Direction 0 never moves, so its entry has room for the bits of directions in
+                // pieces.
+                entry[0] |= 1 << i;
+            }
+        }
+    }
+
     /// True if the places of a line follow those of the last one.
     fn follows(&self, entry: &[u32; Q], row_end: Option<RowEnd>) -> bool {
         let is_straight =
@@ -174,8 +185,8 @@ impl AaPattern {
             })
     }
 
-    /// Brings the pieces of the last line, those from `first` on, into the order of [`Kind`], and writes to its
-    /// entry where those of each direction begin.
+    /// Brings the pieces of the last line, those from `first` on, into the order of [`Kind`], and
+    /// writes to its entry where those of each direction begin.
     fn sort_pieces(&mut self, first: usize, entry: &mut [u32; Q]) -> Kind {
         let unsorted = self.pieces.split_off(first);
         let mut kind = Kind { first: first as u32, ..Kind::default() };

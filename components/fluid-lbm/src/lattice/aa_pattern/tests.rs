@@ -5,6 +5,7 @@ use crate::lattice::aa_rows::RowEnd;
 use crate::lattice::cell_list::{CellList, LinkEnd};
 use crate::lattice::d3q19::C;
 use proptest::prelude::*;
+use proptest::test_runner::{TestCaseError, TestCaseResult};
 use std::collections::HashSet;
 use tremie_fluid_kit::cells::grid::{Grid, Side};
 use tremie_fluid_kit::cells::obstacles::{Obstacles, Sheet};
@@ -58,6 +59,119 @@ fn is_straight(places: &AaPattern, line: usize) -> bool {
     !places.kind(line).is_in_pieces() || places.way(line).row_end.is_some()
 }
 
+/// Pieces of a line hold each of its lanes once, and stand in the order of their kind.
+fn pieces_hold_each_lane_once(places: &AaPattern, cells: &CellList, line: usize) -> TestCaseResult {
+    // Places in pieces beside the line's own lanes are never written: each lane once.
+    let mut first = 0;
+    for (number, entries) in places.lines().iter().enumerate() {
+        let kind = places.kind(number);
+        prop_assert_eq!(kind.first as usize, first);
+        let counts = [(kind.two, 2), (kind.three, 3), (kind.others, 0)];
+        let mut mixed = 0_u32;
+        for wanted in counts.iter().flat_map(|&(times, count)| (0..times).map(move |_| count)) {
+            let pieces = &places.pieces()[first..];
+            let count = pieces.iter().take_while(|piece| !piece.last).count() + 1;
+            prop_assert!(count == wanted || wanted == 0 && count != 2 && count != 3);
+            let (own, dir) = (&pieces[..count], usize::from(pieces[0].dir));
+            prop_assert!(own.iter().all(|piece| usize::from(piece.dir) == dir));
+            prop_assert_eq!(places.pieces_of(number, dir)[0], own[0]);
+            prop_assert_eq!(places.pieces_of(number, dir).len(), places.pieces().len() - first);
+            prop_assert!(
+                own.iter().map(|piece| piece.lanes.count_ones()).sum::<u32>() as usize
+                    == line.min(cells.len() - number * line)
+            );
+            prop_assert!(
+                own.iter().fold(0, |lanes, piece| lanes | piece.lanes)
+                    == (u32::MAX >> (32 - line.min(cells.len() - number * line))) as u16
+            );
+            mixed |= 1 << dir;
+            first += count;
+        }
+        prop_assert_eq!(mixed, entries[0]);
+    }
+    prop_assert_eq!(first, places.pieces().len());
+    Ok(())
+}
+
+/// Within a run each line's places follow those of the line before.
+fn runs_follow_on(places: &AaPattern, cells: &CellList, line: usize) -> TestCaseResult {
+    // In a run each line's places follow those of the line before.
+    let mut start = 0;
+    while start < places.lines().len() {
+        let end = places.run_end::<false>(start, places.lines().len());
+        prop_assert!(end == start + 1 || !places.kind(start).is_in_pieces());
+        for cell in (start * line + line)..(end * line).min(cells.len()) {
+            for i in 0..Q {
+                let [own, before] = [cell, cell - line].map(|c| places.odd(c as u32, i));
+                prop_assert_eq!(own, before + line);
+            }
+        }
+        start = end;
+    }
+    Ok(())
+}
+
+/// Within a run with ends of rows all places follow but those at the ends.
+fn rows_follow_on_but_at_their_ends(places: &AaPattern, line: usize) -> TestCaseResult {
+    // In one with ends of rows all but these do.
+    let mut start = 0;
+    while start < places.lines().len() {
+        let end = places.run_end::<true>(start, places.lines().len());
+        prop_assert!(end == start + 1 || is_straight(places, start));
+        for number in (start + 1)..end {
+            prop_assert!(is_straight(places, number));
+            for (lane, i) in (0..line).flat_map(|lane| (1..Q).map(move |i| (lane, i))) {
+                let is_beyond = places.way(number).row_end.is_some_and(|end| {
+                    let last = if end == RowEnd::Lower { 0 } else { line - 1 };
+                    lane == last && end.directions().contains(&i)
+                });
+                let first = places.lines()[start][i] as usize;
+                let straight = first + (number - start) * line + lane;
+                let place = places.odd((number * line + lane) as u32, i);
+                prop_assert_eq!(place == straight, !is_beyond);
+            }
+        }
+        start = end;
+    }
+    Ok(())
+}
+
+/// Neighbours see each other; the number of links that end.
+fn neighbours_see_each_other(
+    places: &AaPattern,
+    cells: &CellList,
+    grid: &Grid,
+    obstacles: &Obstacles,
+) -> Result<usize, TestCaseError> {
+    // Neighbours see each other, and every link that ends is listed once.
+    let mut ended = 0;
+    for cell in 0..cells.len() as u32 {
+        for i in 1..Q {
+            let at = cells.coordinates(grid, cell);
+            let sheet = obstacles
+                .sheets
+                .iter()
+                .any(|s| s.cell as usize == cells.index(cell) && s.dir as usize == i);
+            let end = cells.end(grid, obstacles, at, i);
+            match (places.neighbour(cell, i), end) {
+                (found, LinkEnd::Cell { cell: expected, mirrors: 0 }) if !sheet => {
+                    prop_assert_eq!(found, Some(expected));
+                    prop_assert_eq!(places.neighbour(expected, OPPOSITE[i]), Some(cell));
+                }
+                (found, LinkEnd::Cell { cell: expected, .. }) if !sheet => {
+                    prop_assert!(found == Some(expected) || (found.is_none() && expected == cell));
+                    ended += 1;
+                }
+                (found, _) => {
+                    prop_assert_eq!(found, None);
+                    ended += 1;
+                }
+            }
+        }
+    }
+    Ok(ended)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -78,89 +192,10 @@ proptest! {
                 }
             }
         }
-        // Places in pieces beside the line's own lanes are never written: each lane once.
-        let mut first = 0;
-        for (number, entries) in places.lines().iter().enumerate() {
-            let kind = places.kind(number);
-            prop_assert_eq!(kind.first as usize, first);
-            let counts = [(kind.two, 2), (kind.three, 3), (kind.others, 0)];
-            let mut mixed = 0_u32;
-            for wanted in counts.iter().flat_map(|&(times, count)| (0..times).map(move |_| count)) {
-                let pieces = &places.pieces()[first..];
-                let count = pieces.iter().take_while(|piece| !piece.last).count() + 1;
-                prop_assert!(count == wanted || wanted == 0 && count != 2 && count != 3);
-                let (own, dir) = (&pieces[..count], usize::from(pieces[0].dir));
-                prop_assert!(own.iter().all(|piece| usize::from(piece.dir) == dir));
-                prop_assert_eq!(places.pieces_of(number, dir)[0], own[0]);
-                prop_assert_eq!(places.pieces_of(number, dir).len(), places.pieces().len() - first);
-                prop_assert!(own.iter().map(|piece| piece.lanes.count_ones()).sum::<u32>() as usize
-                    == line.min(cells.len() - number * line));
-                prop_assert!(own.iter().fold(0, |lanes, piece| lanes | piece.lanes)
-                    == (u32::MAX >> (32 - line.min(cells.len() - number * line))) as u16);
-                mixed |= 1 << dir;
-                first += count;
-            }
-            prop_assert_eq!(mixed, entries[0]);
-        }
-        prop_assert_eq!(first, places.pieces().len());
-        // In a run each line's places follow those of the line before.
-        let mut start = 0;
-        while start < places.lines().len() {
-            let end = places.run_end::<false>(start, places.lines().len());
-            prop_assert!(end == start + 1 || !places.kind(start).is_in_pieces());
-            for cell in (start * line + line)..(end * line).min(cells.len()) {
-                for i in 0..Q {
-                    let [own, before] = [cell, cell - line].map(|c| places.odd(c as u32, i));
-                    prop_assert_eq!(own, before + line);
-                }
-            }
-            start = end;
-        }
-        // In one with ends of rows all but these do.
-        let mut start = 0;
-        while start < places.lines().len() {
-            let end = places.run_end::<true>(start, places.lines().len());
-            prop_assert!(end == start + 1 || is_straight(&places, start));
-            for number in (start + 1)..end {
-                prop_assert!(is_straight(&places, number));
-                for (lane, i) in (0..line).flat_map(|lane| (1..Q).map(move |i| (lane, i))) {
-                    let is_beyond = places.way(number).row_end.is_some_and(|end| {
-                        let last = if end == RowEnd::Lower { 0 } else { line - 1 };
-                        lane == last && end.directions().contains(&i)
-                    });
-                    let first = places.lines()[start][i] as usize;
-                    let straight = first + (number - start) * line + lane;
-                    let place = places.odd((number * line + lane) as u32, i);
-                    prop_assert_eq!(place == straight, !is_beyond);
-                }
-            }
-            start = end;
-        }
-        // Neighbours see each other, and every link that ends is listed once.
-        let mut ended = 0;
-        for cell in 0..cells.len() as u32 {
-            for i in 1..Q {
-                let at = cells.coordinates(&grid, cell);
-                let sheet = obstacles.sheets.iter().any(|s| {
-                    s.cell as usize == cells.index(cell) && s.dir as usize == i
-                });
-                let end = cells.end(&grid, &obstacles, at, i);
-                match (places.neighbour(cell, i), end) {
-                    (found, LinkEnd::Cell { cell: expected, mirrors: 0 }) if !sheet => {
-                        prop_assert_eq!(found, Some(expected));
-                        prop_assert_eq!(places.neighbour(expected, OPPOSITE[i]), Some(cell));
-                    }
-                    (found, LinkEnd::Cell { cell: expected, .. }) if !sheet => {
-                        prop_assert!(found == Some(expected) || (found.is_none() && expected == cell));
-                        ended += 1;
-                    }
-                    (found, _) => {
-                        prop_assert_eq!(found, None);
-                        ended += 1;
-                    }
-                }
-            }
-        }
+        pieces_hold_each_lane_once(&places, &cells, line)?;
+        runs_follow_on(&places, &cells, line)?;
+        rows_follow_on_but_at_their_ends(&places, line)?;
+        let ended = neighbours_see_each_other(&places, &cells, &grid, &obstacles)?;
         let listed: u32 = survey.reflections.iter().map(|r| r.lanes.count_ones()).sum();
         prop_assert_eq!(listed as usize + survey.blocked.len(), ended);
     }

@@ -1,8 +1,8 @@
 //! The seam of collision operators: how fast the populations of a cell relax.
 //!
-//! An operator is a type, chosen once for all cells (`collision_kernel`), so that each has loops of its own. A new one, a
-//! turbulence model or a fluid whose viscosity depends on the rate of strain, says its rates here, gets an arm where kernels are chosen,
-//! and its constants in [`Constants`].
+//! An operator is a type, chosen once for all cells (`collision_kernel`), so that each has loops of
+//! its own. A new one, a turbulence model or a fluid whose viscosity depends on the rate of strain,
+//! says its rates here, gets an arm where kernels are chosen, and its constants in [`Constants`].
 
 use super::{Constants, RelaxationRates};
 use crate::lattice::populations::LatticeVector;
@@ -42,8 +42,8 @@ impl CollisionOperator for TwoTimes {
 /// tau* = [tau + sqrt(tau^2 + 18 sqrt(2) C^2 P/rho)]/2,   P = sqrt(Pi_ab Pi_ab)
 /// ```
 ///
-/// the fixed point of the model with the strain that the stress says (Hou et al. 1996). The odd time is the same if `SINGLE`, or
-/// follows from `tau*` by the magic number.
+/// the fixed point of the model with the strain that the stress says (Hou et al. 1996). The odd
+/// time is the same if `SINGLE`, or follows from `tau*` by the magic number.
 pub struct Smagorinsky<const SINGLE: bool>;
 
 impl<const SINGLE: bool> CollisionOperator for Smagorinsky<SINGLE> {

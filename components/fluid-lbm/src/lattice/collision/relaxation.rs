@@ -1,7 +1,7 @@
 //! Relaxation: the populations of a vector of cells become what a collision leaves of them.
 //!
-//! They are read for the second time here, from the first-level cache, pair by pair, so that nearly all values stay in
-//! registers.
+//! They are read for the second time here, from the first-level cache, pair by pair, so that nearly
+//! all values stay in registers.
 
 use super::operators::CollisionOperator;
 use super::{Constants, Equilibrium, Populations, RelaxationRates};
@@ -23,7 +23,8 @@ macro_rules! at {
     };
 }
 
-/// Replaces the populations of a direction, in a function whose contract is that of [`Vector::put`].
+/// Replaces the populations of a direction, in a function whose contract is that of
+/// [`Vector::put`].
 macro_rules! put {
     ($vector:ident, $i:expr, $value:expr) => {
         // SAFETY: by contract.
@@ -75,8 +76,8 @@ impl<V: LatticeVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WH
     }
 }
 
-/// Replaces the populations of a vector of cells by their post-collision values, each in the place of the opposite
-/// direction. Lanes that `mask` lacks become zero.
+/// Replaces the populations of a vector of cells by their post-collision values, each in the place
+/// of the opposite direction. Lanes that `mask` lacks become zero.
 ///
 /// See [`super::measure`] for the operator and the flag; `WHOLE`: the mask lacks no lane.
 ///
@@ -105,7 +106,8 @@ pub unsafe fn relax<
     }
 }
 
-/// `rho e 2 v.a`, in `S+ = w rho e [6 (c.v)(c.a) - 2 v.a]`; the density where there is no acceleration.
+/// `rho e 2 v.a`, in `S+ = w rho e [6 (c.v)(c.a) - 2 v.a]`; the density where there is no
+/// acceleration.
 #[inline(always)]
 fn pull<V: LatticeVector, const FORCED: bool>(
     &Equilibrium { v, rho, .. }: &Equilibrium<V>,

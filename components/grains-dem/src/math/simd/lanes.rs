@@ -1,8 +1,8 @@
 //! Vectors of several contacts side by side: what one formula does to all of them at once.
 //!
-//! A formula is written once over [`SimdLane`]: single numbers, plain arrays, and loops over them that
-//! compilers turn into vector instructions where the function around them is compiled with these, or
-//! registers. So contacts side by side give the bits that they give one by one.
+//! A formula is written once over [`SimdLane`]: single numbers, plain arrays, and loops over them
+//! that compilers turn into vector instructions where the function around them is compiled with
+//! these, or registers. So contacts side by side give the bits that they give one by one.
 
 use crate::Vec3;
 #[cfg(target_arch = "x86_64")]

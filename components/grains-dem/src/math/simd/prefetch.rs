@@ -29,7 +29,8 @@ pub(crate) fn fetch_line(place: *const i8) {
     unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
 }
 
-/// Brings a value of less than a line, which need not be there and may lie in two, towards the processor.
+/// Brings a value of less than a line, which need not be there and may lie in two, towards the
+/// processor.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(crate) fn fetch_value<T>(values: &[T], index: usize) {
@@ -38,7 +39,8 @@ pub(crate) fn fetch_value<T>(values: &[T], index: usize) {
     fetch_line(place.wrapping_add(size_of::<T>() - 1));
 }
 
-/// Brings each line of `COUNT` values from `index` on, which need not be there, towards the processor.
+/// Brings each line of `COUNT` values from `index` on, which need not be there, towards the
+/// processor.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(crate) fn fetch_lines<T, const COUNT: usize>(values: &[T], index: usize) {

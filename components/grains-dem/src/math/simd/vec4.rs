@@ -1,8 +1,9 @@
-//! Vectors of space in registers of four numbers, the last of which means nothing unless it is said.
+//! Vectors of space in registers of four numbers, the last of which means nothing unless it is
+//! said.
 //!
-//! Arrays, and loops over them that compilers turn into one instruction where the function around them
-//! is compiled for it. Every operation is rounded once, in the order in which formulae of three numbers
-//! have them: the bits are the same.
+//! Arrays, and loops over them that compilers turn into one instruction where the function around
+//! them is compiled for it. Every operation is rounded once, in the order in which formulae of
+//! three numbers have them: the bits are the same.
 
 use crate::Vec3;
 use core::ops::{Add, Mul, Sub};
@@ -49,8 +50,8 @@ impl Four {
         Self([self.0[A], self.0[B], self.0[C], self.0[D]])
     }
 
-    /// The cross product, with its z, x and y as x, y and z: that spares an exchange, which may wait
-    /// until many are summed up.
+    /// The cross product, with its z, x and y as x, y and z: that spares an exchange, which may
+    /// wait until many are summed up.
     #[inline(always)]
     pub fn cross_zxy(self, other: Self) -> Self {
         self * other.at::<1, 2, 0, 3>() - self.at::<1, 2, 0, 3>() * other

@@ -42,7 +42,8 @@ impl<'a> Feeding<'a> {
         Self { region, grid }
     }
 
-    /// Volume of the region outside of parts and walls [m³], from points between them, if there are any.
+    /// Volume of the region outside of parts and walls [m³], from points between them, if there are
+    /// any.
     pub fn free_volume(&self) -> f64 {
         self.free_slices(2, 0).iter().sum()
     }
@@ -77,7 +78,8 @@ impl<'a> Feeding<'a> {
         (0..POINTS).map(of).collect()
     }
 
-    /// Puts a sphere where it overlaps nothing; `None` when none of the places that were tried will do.
+    /// Puts a sphere where it overlaps nothing; `None` when none of the places that were tried will
+    /// do.
     pub fn add(
         &mut self,
         radius: f64,

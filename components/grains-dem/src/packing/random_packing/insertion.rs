@@ -45,7 +45,8 @@ pub(super) fn fits(region: &PackingRegion<'_>, grid: &Grid, ball: &BoundingSpher
         && region.depth_in_parts(ball).0 <= 0.0
 }
 
-/// Cells with linked lists of the spheres inserted so far, in levels by size as [`Cells`](crate::neighbours::linked_cells::LinkedCells) has them.
+/// Cells with linked lists of the spheres inserted so far, in levels by size as
+/// [`Cells`](crate::neighbours::linked_cells::LinkedCells) has them.
 pub(super) struct Grid {
     bounds: PeriodicBox,
     skins: Skins,

@@ -1,9 +1,9 @@
-//! Dense packings: spheres inserted at random while they are small, grown, and pushed apart until none
-//! overlaps.
+//! Dense packings: spheres inserted at random while they are small, grown, and pushed apart until
+//! none overlaps.
 //!
-//! Small spheres keep a distance from each other that full-grown ones inherit: the packing is as even
-//! over long distances as one by insertion. Without it, as points thrown at random, it would have dense
-//! and loose parts, through which a fluid passes up to twice as fast.
+//! Small spheres keep a distance from each other that full-grown ones inherit: the packing is as
+//! even over long distances as one by insertion. Without it, as points thrown at random, it would
+//! have dense and loose parts, through which a fluid passes up to twice as fast.
 //!
 //! Each sweep moves every overlapping pair apart along its line of centres by its overlap, half
 //! each, one pair after the other (a projection method as in Müller et al., *J. Vis. Commun.

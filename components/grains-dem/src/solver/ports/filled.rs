@@ -6,9 +6,10 @@ use tremie_messages::scene::Packing;
 
 /// Entry of spheres into a region, and the region's volume from there on.
 ///
-/// A stream of spheres that come at a mean distance x from where it enters and leave at the region's end L, at one
-/// speed, holds the volume A (L - x) f in the mean over time, f its solid fraction: a sphere counts whole as soon as it
-/// comes, and as it leaves as much as is inside, half of it when its centre is at L.
+/// A stream of spheres that come at a mean distance x from where it enters and leave at the
+/// region's end L, at one speed, holds the volume A (L - x) f in the mean over time, f its solid
+/// fraction: a sphere counts whole as soon as it comes, and as it leaves as much as is inside, half
+/// of it when its centre is at L.
 pub(super) struct Filled {
     fraction: f64,
     upstream: Option<Upstream>,
@@ -16,8 +17,8 @@ pub(super) struct Filled {
     ends: [f64; 2],
     /// Free volume of slices of the region, from upstream on [m³].
     slices: Vec<f64>,
-    /// Volume of the spheres that came, and its product with their distances from upstream, with a guess to begin
-    /// with [m³, m⁴].
+    /// Volume of the spheres that came, and its product with their distances from upstream, with a
+    /// guess to begin with [m³, m⁴].
     came: [f64; 2],
 }
 

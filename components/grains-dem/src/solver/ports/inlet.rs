@@ -1,12 +1,14 @@
 //! An inlet: the lacking volume, and the places of the next spheres.
 //!
-//! Spheres come while at least half of the next one's volume is lacking, so that the volume swings about
-//! the wanted one. What leaves between two insertions is lacking in the mean until then; the error of the
-//! mean is carried over, as fast as the region empties, so that the mean over time comes out right.
+//! Spheres come while at least half of the next one's volume is lacking, so that the volume swings
+//! about the wanted one. What leaves between two insertions is lacking in the mean until then; the
+//! error of the mean is carried over, as fast as the region empties, so that the mean over time
+//! comes out right.
 //!
-//! Spheres come whole: their centres start some way into the region, one to two radii in the mean and more where it
-//! is crowded. What they fill, and what therefore holds the wanted fraction, is the region from there on; with all of it
-//! filled as much the stream beyond would be denser, the more so the shorter the region.
+//! Spheres come whole: their centres start some way into the region, one to two radii in the mean
+//! and more where it is crowded. What they fill, and what therefore holds the wanted fraction, is
+//! the region from there on; with all of it filled as much the stream beyond would be denser, the
+//! more so the shorter the region.
 
 use super::{InletState, filled::Filled, upstream};
 use crate::Vec3;
@@ -22,8 +24,8 @@ use tremie_messages::scene::{Inlet, InletVelocity, Packing, Scene};
 /// Steps of the grains between two insertions, unless the scene says otherwise.
 const STEPS: u64 = 50;
 
-/// Weight of the last interval in the mean volume that leaves in one. Its own would not do: where more
-/// leaves, less is held, and the mean of their product is not that of the means.
+/// Weight of the last interval in the mean volume that leaves in one. Its own would not do: where
+/// more leaves, less is held, and the mean of their product is not that of the means.
 const RECENT: f64 = 0.05;
 
 /// An inlet with its state.
@@ -48,8 +50,8 @@ pub(super) struct Feeder {
     tries: u32,
     /// Insertions that found no place for a sphere.
     failed: u64,
-    /// Volume that the region held after the last one, that leaves between two in the mean, and the error
-    /// of the mean to be made good [m³].
+    /// Volume that the region held after the last one, that leaves between two in the mean, and the
+    /// error of the mean to be made good [m³].
     held: f64,
     loss: f64,
     owed: f64,
@@ -114,8 +116,8 @@ impl Feeder {
         steps - self.last >= self.every && time <= self.until
     }
 
-    /// Spheres that come now, of ids from `next` on; random numbers are keyed by the id, and those of
-    /// places by what failed before besides.
+    /// Spheres that come now, of ids from `next` on; random numbers are keyed by the id, and those
+    /// of places by what failed before besides.
     pub fn feed(
         &mut self,
         around: &random_packing::PackingSurroundings<'_>,

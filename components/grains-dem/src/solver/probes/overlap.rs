@@ -5,9 +5,9 @@ use core::f64::consts::PI;
 /// Slices of a sphere that more than one pair of the box's faces cuts.
 const SLICES: i32 = 48;
 
-/// Volume of the part of a sphere that lies in a box [m³]. `low` and `high` are the box's corners as
-/// seen from the sphere's centre. Exact where the faces across one axis alone cut the sphere; else the
-/// sum of exact areas of slices, to 1e-4 of the sphere.
+/// Volume of the part of a sphere that lies in a box [m³]. `low` and `high` are the box's corners
+/// as seen from the sphere's centre. Exact where the faces across one axis alone cut the sphere;
+/// else the sum of exact areas of slices, to 1e-4 of the sphere.
 pub(crate) fn of_sphere_and_box(radius: f64, low: [f64; 3], high: [f64; 3]) -> f64 {
     if (0..3).any(|a| low[a] >= radius || high[a] <= -radius) {
         return 0.0;

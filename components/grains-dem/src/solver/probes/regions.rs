@@ -24,7 +24,8 @@ pub(super) struct RegionSum {
     number: u64,
 }
 
-/// Sums over blocks of ids; `parts` of the volumes count, by rank, or all of them. `sums` has one entry for each region and block.
+/// Sums over blocks of ids; `parts` of the volumes count, by rank, or all of them. `sums` has one
+/// entry for each region and block.
 pub(super) fn look(
     regions: &[ProbeRegion],
     sums: &mut [RegionSum],
@@ -65,7 +66,8 @@ impl ProbeRegion {
         (0..3).all(|a| x[a] >= self.min[a] && x[a] < self.max[a])
     }
 
-    /// Solid fraction, number of centres, mean velocity of the volume filled: 0 where there is none.
+    /// Solid fraction, number of centres, mean velocity of the volume filled: 0 where there is
+    /// none.
     pub fn values<'a>(&self, sums: impl Iterator<Item = &'a RegionSum>) -> [f64; 5] {
         let mut all = RegionSum::default();
         for sum in sums {

@@ -75,8 +75,9 @@ impl Annulus {
     }
 }
 
-/// Area that a disc about the origin and a box have in common, the box given from lower to upper end along
-/// both axes: the sum over strips of equal angles, exact for halves and quarters, else to about 1e-6.
+/// Area that a disc about the origin and a box have in common, the box given from lower to upper
+/// end along both axes: the sum over strips of equal angles, exact for halves and quarters, else to
+/// about 1e-6.
 fn disc_in_box(radius: f64, [x, y]: [[f64; 2]; 2]) -> f64 {
     const STRIPS: u32 = 4096;
     let [from, to] = x.map(|x| libm::asin((x / radius).clamp(-1.0, 1.0)));

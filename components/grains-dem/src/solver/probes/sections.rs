@@ -49,7 +49,8 @@ impl Section {
         (self.mean_from, self.mean_over) = (self.passed.mass, 0.0);
     }
 
-    /// Mass flow rate, a mean over the time since it was begun; crossings and mass passed since the start.
+    /// Mass flow rate, a mean over the time since it was begun; crossings and mass passed since the
+    /// start.
     pub fn values(&self) -> [f64; 3] {
         let passed = self.passed.mass - self.mean_from;
         let rate = if self.mean_over > 0.0 { passed / self.mean_over } else { 0.0 };
@@ -77,8 +78,8 @@ impl Section {
     }
 }
 
-/// Sums what passed since positions were `before`, by rank, and takes the new ones. Ways are straight,
-/// and along periodic axes shorter than half the domain.
+/// Sums what passed since positions were `before`, by rank, and takes the new ones. Ways are
+/// straight, and along periodic axes shorter than half the domain.
 pub(super) fn pass(
     sections: &mut [Section],
     before: &mut [Vec3],
