@@ -20,14 +20,80 @@ pub enum Role {
     Observer,
 }
 
-impl Role {
+/// Steps of a component between two exchanges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stepping {
+    /// It has steps of its own, and says how long they may be.
+    Own,
+    /// It makes the steps of another role, and may bound their length.
+    Of(Role),
+    /// It knows windows alone.
+    Windows,
+}
+
+/// What the program must know of a role: one row for each. All that plans, checks and supervises a run
+/// asks here, and names no role.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RoleRules {
     /// Name as manifests and messages write it.
-    pub fn name(self) -> &'static str {
+    pub name: &'static str,
+    /// Its steps.
+    pub stepping: Stepping,
+    /// Advice to a user whose steps are too short.
+    pub longer_steps: &'static str,
+    /// The role beside which a program of this one is tried alone; none if it cannot be.
+    pub tried_beside: Option<Role>,
+}
+
+impl Role {
+    /// Roles of the physics. A run has at most one component of each.
+    pub const PHYSICS: [Self; 3] = [Self::Fluid, Self::Grains, Self::Rubber];
+
+    /// Its row.
+    pub const fn rules(self) -> RoleRules {
         match self {
-            Role::Fluid => "fluid",
-            Role::Grains => "grains",
-            Role::Rubber => "rubber",
-            Role::Observer => "observer",
+            Role::Fluid => RoleRules {
+                name: "fluid",
+                stepping: Stepping::Own,
+                longer_steps: "a larger cell, a longer time_step where it is set",
+                tried_beside: Some(Role::Grains),
+            },
+            Role::Grains => RoleRules {
+                name: "grains",
+                stepping: Stepping::Own,
+                longer_steps: "larger smallest grains, softer contacts (normal_stiffness), a longer time_step where it is set",
+                tried_beside: Some(Role::Fluid),
+            },
+            Role::Rubber => RoleRules {
+                name: "rubber",
+                stepping: Stepping::Of(Role::Grains),
+                longer_steps: "",
+                tried_beside: None,
+            },
+            Role::Observer => RoleRules {
+                name: "observer",
+                stepping: Stepping::Windows,
+                longer_steps: "",
+                tried_beside: None,
+            },
+        }
+    }
+
+    /// Name as manifests and messages write it.
+    pub const fn name(self) -> &'static str {
+        self.rules().name
+    }
+
+    /// True if it sets steps of its own.
+    pub fn has_steps(self) -> bool {
+        self.rules().stepping == Stepping::Own
+    }
+
+    /// The role whose steps it makes, if that is another.
+    pub fn steps_with(self) -> Option<Role> {
+        match self.rules().stepping {
+            Stepping::Of(other) => Some(other),
+            Stepping::Own | Stepping::Windows => None,
         }
     }
 }

@@ -260,11 +260,7 @@ fn fill_component(name: &str, entry: &mut ComponentEntry) {
 
 /// Role of a component, where its name says it.
 fn role_by_name(name: &str) -> Option<Role> {
-    match name {
-        "fluid" => Some(Role::Fluid),
-        "grains" => Some(Role::Grains),
-        "rubber" => Some(Role::Rubber),
-        "viewer" | "recorder" | "fields" => Some(Role::Observer),
-        _ => None,
-    }
+    let of_physics = Role::PHYSICS.into_iter().find(|role| role.name() == name);
+    let is_observer = matches!(name, "viewer" | "recorder" | "fields");
+    of_physics.or(is_observer.then_some(Role::Observer))
 }

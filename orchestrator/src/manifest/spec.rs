@@ -157,12 +157,11 @@ impl ComponentSpec {
         stem(&self.program)
     }
 
-    /// Threads that it may use on a machine of `cores`: as the manifest says, else all for fluid
-    /// and grains, which find out beside each other what more than one is worth; one for anything
+    /// Threads that it may use on a machine of `cores`: as the manifest says, else all for a
+    /// role with steps of its own, which finds out what more than one is worth; one for anything
     /// else. Results do not depend on it.
     pub fn threads_of(&self, cores: u32) -> u32 {
-        let takes_all = matches!(self.role, Role::Fluid | Role::Grains);
-        self.threads.unwrap_or(if takes_all { cores.max(1) } else { 1 })
+        self.threads.unwrap_or(if self.role.has_steps() { cores.max(1) } else { 1 })
     }
 }
 

@@ -34,8 +34,9 @@ pub(super) fn stops(spec: &Spec, described: &[Described<'_>]) -> Vec<Problem> {
 pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Problem> {
     let physics = spec.components.iter().filter(|component| component.role != Role::Observer);
     let names: Vec<&str> = physics.map(|component| component.name.as_str()).collect();
-    let makes_own_substeps =
-        |name: &str| spec.components.iter().all(|c| c.name != name || c.role != Role::Rubber);
+    let steps_with = |name: &str| {
+        spec.components.iter().find(|c| c.name == name).and_then(|c| c.role.steps_with())
+    };
     let mut problems = Vec::new();
     for (name, injection) in &options.injections {
         if !names.contains(&name.as_str()) {
@@ -46,9 +47,12 @@ pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Pr
             problems.push(suggest(problem, name, &names, "components"));
         }
         let of_substeps = [InjectionKind::SubstepMore, InjectionKind::SubstepLess];
-        if of_substeps.contains(&injection.kind) && !makes_own_substeps(name) {
-            let message = format!("{name} makes the substeps of the grains, no number of its own");
-            problems.push(Problem::new("--inject", message).help("let the grains make the fault"));
+        if of_substeps.contains(&injection.kind)
+            && let Some(other) = steps_with(name)
+        {
+            let message = format!("{name} makes the substeps of the {other}, no number of its own");
+            let help = format!("let the {other} make the fault");
+            problems.push(Problem::new("--inject", message).help(help));
         }
         if injection.window == 0 || injection.window > windows {
             let window = injection.window;

@@ -177,28 +177,24 @@ fn pair<'a>(
     if problems.is_empty() { Ok(described) } else { Err(problems) }
 }
 
-/// Largest steps of the physics, in the order of the components. A rubber has no steps of its own:
-/// its bound is a bound on the steps of the grains.
+/// Largest steps of the physics, in the order of the components. A role that makes the steps of
+/// another has none of its own: its bound is a bound on the other's.
 fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
-    let rubber = described.iter().find(|(spec, _)| spec.role == Role::Rubber);
-    let bound = rubber.and_then(|(_, description)| description.step);
+    let bound = |role: Role| {
+        let mut with = described.iter().filter(|(spec, _)| spec.role.steps_with() == Some(role));
+        with.find_map(|(_, description)| description.step)
+    };
     let wish = |(spec, description): &Described<'_>| Wish {
         name: spec.name.clone(),
         key: spec.key(),
-        step: match (spec.role, description.step, bound) {
-            (Role::Grains, Some(step), Some(bound)) => Some(step.min(bound)),
-            (Role::Grains, None, bound) => bound,
-            (_, step, _) => step,
+        step: match (description.step, bound(spec.role)) {
+            (Some(step), Some(bound)) => Some(step.min(bound)),
+            (step, bound) => step.or(bound),
         },
         limit: description.step_limit.clone(),
         sync_iter: spec.sync_iter,
     };
-    described.iter().filter(|(spec, _)| has_steps(spec.role)).map(wish).collect()
-}
-
-/// True if a component of that role sets steps of its own.
-fn has_steps(role: Role) -> bool {
-    matches!(role, Role::Fluid | Role::Grains)
+    described.iter().filter(|(spec, _)| spec.role.has_steps()).map(wish).collect()
 }
 
 fn assemble(
@@ -278,18 +274,14 @@ fn body_capacity(described: &[Described<'_>]) -> u64 {
     grains.map(|(_, description)| description.bodies).max().unwrap_or(0)
 }
 
-/// Substeps of all components. A rubber makes the grains' substeps; an observer counts in windows.
+/// Substeps of all components. Some make another's substeps; an observer counts in windows.
 fn substeps_of_all(described: &[Described<'_>], steps: &Steps) -> Vec<u32> {
-    let with_steps = described.iter().map(|(spec, _)| spec.role).filter(|role| has_steps(*role));
+    let with_steps = described.iter().map(|(spec, _)| spec.role).filter(|role| role.has_steps());
     let substeps = |role: Role| {
         let mut all = with_steps.clone().zip(&steps.substeps);
         all.find(|(of, _)| *of == role).map_or(1, |(_, substeps)| *substeps)
     };
-    let of = |(spec, _): &Described<'_>| match spec.role {
-        Role::Observer => 1,
-        Role::Rubber => substeps(Role::Grains),
-        role => substeps(role),
-    };
+    let of = |(spec, _): &Described<'_>| substeps(spec.role.steps_with().unwrap_or(spec.role));
     described.iter().map(of).collect()
 }
 

@@ -6,7 +6,7 @@ use indicatif::HumanDuration;
 use std::time::Duration;
 use tremie_messages::finding::short;
 use tremie_messages::start::Description;
-use tremie_messages::{Finding, Role};
+use tremie_messages::Finding;
 
 /// Steps beyond which a run is long, and steps beyond which it does not end in practice.
 const LONG: f64 = 1e8;
@@ -26,10 +26,9 @@ type Told<'a> = (&'a PlannedComponent, &'a Description);
 /// The number of steps of the component that makes most, with a guess of the wall time.
 pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) -> Option<Finding> {
     let all = plan.components.iter().zip(descriptions);
-    // A rubber makes the steps of the grains.
-    let physics =
-        all.clone().filter(|(component, _)| matches!(component.role, Role::Fluid | Role::Grains));
-    let rubber = all.clone().find(|(component, _)| component.role == Role::Rubber);
+    // Some roles make the steps of another, and may bound them.
+    let physics = all.clone().filter(|(component, _)| component.role.has_steps());
+    let follower = all.clone().find(|(component, _)| component.role.steps_with().is_some());
     let most = physics.clone().max_by_key(|(component, _)| component.substeps)?;
     let windows = plan.windows as f64;
     let work: f64 = physics.clone().map(|(component, said)| work(component, said)).sum();
@@ -40,16 +39,12 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
         "{} s (run.until) in windows of {} s: {}; {guess}",
         short(spec.run.until),
         short(plan.window),
-        reasons(spec, physics, (most, rubber)).join(", and "),
+        reasons(spec, physics, (most, follower)).join(", and "),
     );
     let remedy = format!(
         "a shorter run.until, or longer steps of {}: {}",
         most.0.name,
-        match most.0.role {
-            Role::Fluid => "a larger cell, a longer time_step where it is set",
-            _ =>
-                "larger smallest grains, softer contacts (normal_stiffness), a longer time_step where it is set",
-        }
+        most.0.role.rules().longer_steps
     );
     let finding = Finding::new("steps of the run", steps, "1").because(guess);
     Some(finding.wrong_if(steps > ENDLESS, &why, &remedy).doubtful_if(
@@ -74,19 +69,19 @@ fn work(component: &PlannedComponent, said: &Description) -> f64 {
 fn reasons<'a>(
     spec: &Spec,
     physics: impl Iterator<Item = Told<'a>>,
-    (most, rubber): (Told<'a>, Option<Told<'a>>),
+    (most, follower): (Told<'a>, Option<Told<'a>>),
 ) -> Vec<String> {
     let of = |(component, said): Told<'_>| {
         let name = &component.name;
         let fixed = spec.component(name).and_then(|own| own.sync_iter);
         let sync = fixed.map_or(String::new(), |n| format!(" (sync_iter = {n})"));
-        let bound = rubber.filter(|(_, rubber)| {
-            component.role == Role::Grains
-                && rubber.step.is_some_and(|step| said.step.is_none_or(|own| step < own))
+        let bound = follower.filter(|(follower, bound)| {
+            follower.role.steps_with() == Some(component.role)
+                && bound.step.is_some_and(|step| said.step.is_none_or(|own| step < own))
         });
         let limit = match (bound, said.step_limit.as_str()) {
-            (Some((rubber, said)), _) => {
-                format!("as {} asks for: {}", rubber.name, said.step_limit)
+            (Some((follower, said)), _) => {
+                format!("as {} asks for: {}", follower.name, said.step_limit)
             }
             (None, "") => "it does not say why".into(),
             (None, limit) => limit.into(),

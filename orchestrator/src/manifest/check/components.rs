@@ -38,9 +38,13 @@ fn component(
     if table.sync_iter.is_some() && role == Some(Role::Observer) {
         findings.problem(&path::join(&at, "sync_iter"), "an observer makes no substeps");
     }
-    if table.sync_iter.is_some() && role == Some(Role::Rubber) {
-        let message = "a rubber makes the substeps of the grains, expected no number of its own";
-        findings.problem_with_help(&path::join(&at, "sync_iter"), message, "give it to the grains");
+    if let Some((own, other)) = role.and_then(|own| Some((own, own.steps_with()?)))
+        && table.sync_iter.is_some()
+    {
+        let message =
+            format!("a {own} makes the substeps of the {other}, expected no number of its own");
+        let help = format!("give it to the {other}");
+        findings.problem_with_help(&path::join(&at, "sync_iter"), message, help);
     }
     // Only now, so that a missing program hides no other problem.
     let program = program?;
@@ -165,7 +169,7 @@ fn shaped(
 fn together(components: &[ComponentSpec], document: &Document, findings: &mut Findings) -> bool {
     let of = |role| components.iter().filter(move |component| component.role == role);
     let mut right = true;
-    for role in [Role::Fluid, Role::Grains, Role::Rubber] {
+    for role in Role::PHYSICS {
         if let Some(second) = of(role).nth(1) {
             let first = of(role).next().map_or("", |component| &component.name);
             findings.problem(

@@ -47,15 +47,18 @@ impl Subject {
             manifest: arguments.manifest.clone(),
             name: name.clone(),
         };
-        // A program that takes both roles is tried as a fluid.
-        let roles = match arguments.role.as_deref() {
-            None => vec![Role::Fluid, Role::Grains],
-            Some("fluid") => vec![Role::Fluid],
-            Some("grains") => vec![Role::Grains],
-            Some(other) => {
-                return Err(format!("role \"{other}\" cannot be tried; expected fluid or grains"));
-            }
+        // A program that takes several roles is tried as the first of these.
+        let tried = || Role::PHYSICS.into_iter().filter(|role| role.rules().tried_beside.is_some());
+        let roles: Vec<Role> = match arguments.role.as_deref() {
+            None => tried().collect(),
+            Some(name) => tried().filter(|role| role.name() == name).collect(),
         };
+        if roles.is_empty() {
+            let other = arguments.role.as_deref().unwrap_or_default();
+            let names: Vec<_> = tried().map(Role::name).collect();
+            let names = names.join(" or ");
+            return Err(format!("role \"{other}\" cannot be tried; expected {names}"));
+        }
         let mut refusals = Vec::new();
         for role in roles {
             let subject = subject(role);
@@ -69,7 +72,7 @@ impl Subject {
 
     /// The component on the other side.
     pub fn opposite(&self) -> &'static str {
-        if self.role == Role::Fluid { "grains" } else { "fluid" }
+        self.role.rules().tried_beside.map_or("", Role::name)
     }
 
     /// The manifest of a trial, with `sets` laid over it.
