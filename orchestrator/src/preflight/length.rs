@@ -4,9 +4,9 @@ use crate::manifest::Spec;
 use crate::plan::{Plan, PlannedComponent};
 use indicatif::HumanDuration;
 use std::time::Duration;
+use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::start::Description;
-use tremie_messages::Finding;
 
 /// Steps beyond which a run is long, and steps beyond which it does not end in practice.
 const LONG: f64 = 1e8;
