@@ -237,7 +237,16 @@ mod tests {
                 let count = 20_000;
                 let step = end / f64::from(count);
                 let sum: f64 = (0..count).map(|k| course.at((f64::from(k) + 0.5) * step) * step).sum();
-                prop_assert!((course.integral(end) - sum).abs() < 5e-3, "{course:?}: {} {sum}", course.integral(end));
+                // A step in which a course that repeats jumps is off by half the jump at most.
+                let jumps = match &course {
+                    Course::Repeat(points) => {
+                        let (first, last) = (points[0], points[points.len() - 1]);
+                        (end / (last[0] - first[0]) + 1.0) * (last[1] - first[1]).abs()
+                    }
+                    _ => 0.0,
+                };
+                let bound = 5e-3 + 0.5 * step * jumps;
+                prop_assert!((course.integral(end) - sum).abs() < bound, "{course:?}: {} {sum}", course.integral(end));
                 let most = (0..count).map(|k| course.at(f64::from(k) * step).abs()).fold(0.0, f64::max);
                 prop_assert!(most <= course.largest() + 1e-12);
             }
