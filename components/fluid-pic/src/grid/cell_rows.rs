@@ -1,16 +1,28 @@
 //! Rows of cells that take part in a computation, in pieces for a team of threads.
 
 use std::ops::Range;
+use tremie_team::instructions::Work;
+use tremie_team::{Cut, Team, Variant};
 
 /// Stored cells of a piece, if a row is not longer.
 const CELLS_PER_PIECE: usize = 4096;
+
+/// Work made of a closure, so that one loop is compiled for all instructions.
+struct Loop<F>(F);
+
+impl<F: FnOnce()> Work for Loop<F> {
+    #[inline(always)]
+    fn run(self) {
+        (self.0)();
+    }
+}
 
 /// Cells that take part, row by row: of each row the range from the first to the last of them. Rows
 /// are grouped in pieces that do not depend on the number of threads, so that sums do not either.
 #[derive(Clone, Debug, Default)]
 pub struct CellRows {
     /// Piece k has the stored cells from entry k to entry k + 1.
-    pub bounds: Vec<u32>,
+    bounds: Vec<u32>,
     /// Ranges of stored cells, in their order.
     spans: Vec<Range<u32>>,
     /// Piece k has the spans from entry k to entry k + 1.
@@ -40,15 +52,35 @@ impl CellRows {
 
     /// First stored cell of a piece.
     #[inline]
-    pub fn start(&self, piece: usize) -> usize {
+    fn start(&self, piece: usize) -> usize {
         self.bounds[piece] as usize
     }
 
     /// Ranges of stored cells of a piece.
     #[inline]
-    pub fn spans(&self, piece: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+    fn spans(&self, piece: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let spans = self.first_span[piece] as usize..self.first_span[piece + 1] as usize;
         self.spans[spans].iter().map(|span| span.start as usize..span.end as usize)
+    }
+
+    /// Fills the spans of an array, in the widest instructions that are there: `work` has the stored
+    /// cells of a span, and their values.
+    #[inline(always)]
+    pub fn fill<T: Send>(
+        &self,
+        team: &mut Team,
+        variant: Variant,
+        out: &mut [T],
+        work: impl Fn(&Range<usize>, &mut [T]) + Sync,
+    ) {
+        team.for_pieces(Cut::at(out, &self.bounds), |piece, out: &mut [T]| {
+            let first = self.start(piece);
+            variant.run(Loop(|| {
+                for span in self.spans(piece) {
+                    work(&span, &mut out[span.start - first..span.end - first]);
+                }
+            }));
+        });
     }
 
     /// Ranges of all stored cells that take part.

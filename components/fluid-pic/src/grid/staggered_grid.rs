@@ -3,6 +3,23 @@
 /// Ghost cells on each side of the box.
 pub const GHOST: usize = 1;
 
+/// Cells for which an axis of so many has room: pairs of them make a coarser cell, so that an odd
+/// one has a neighbour that is never part of the fluid.
+pub fn room(cells: usize) -> usize {
+    if cells > 1 { cells.next_multiple_of(2) } else { 1 }
+}
+
+/// Steps in memory along the axes, and all stored cells, of a box with so much room and a layer of
+/// ghosts.
+pub fn storage<const D: usize>(room: [usize; D]) -> ([usize; D], usize) {
+    let (mut stride, mut stored) = ([1; D], 1);
+    for a in 0..D {
+        stride[a] = stored;
+        stored *= room[a] + 2 * GHOST;
+    }
+    (stride, stored)
+}
+
 /// Cells of a box in `D` dimensions, stored in rows along the first axis, with a layer of ghost
 /// cells all around. An array of cells has a value for each stored cell. An array of faces across
 /// an axis has one for the *lower* face of each stored cell.
@@ -23,21 +40,19 @@ pub struct StaggeredGrid<const D: usize> {
 }
 
 impl<const D: usize> StaggeredGrid<D> {
-    /// Of cells of one edge. An axis is stored with an even number of cells, so that pairs of them
-    /// make a coarser one; the odd one out is never part of the fluid.
+    /// Of cells of one edge.
     ///
     /// # Panics
     /// If there is no cell along an axis.
     pub fn new(cells: [usize; D], spacing: f64, origin: [f64; D], periodic: [bool; D]) -> Self {
         assert!(cells.iter().all(|&n| n > 0), "a grid has cells: {cells:?}");
-        let mut stride = [1; D];
-        let mut stored = 1;
-        for a in 0..D {
-            stride[a] = stored;
-            let even = if cells[a] > 1 { cells[a].next_multiple_of(2) } else { 1 };
-            stored *= even + 2 * GHOST;
-        }
+        let (stride, stored) = storage(cells.map(room));
         Self { cells, spacing, origin, periodic, stride, stored }
+    }
+
+    /// Stored cells of a row.
+    pub fn row_length(&self) -> usize {
+        room(self.cells[0]) + 2 * GHOST
     }
 
     /// Number of cells without ghosts.

@@ -7,7 +7,7 @@ use crate::particles::particle_arrays::ParticleArrays;
 #[derive(Clone, Debug, Default)]
 pub struct CellOrder {
     /// Particles of the cell at place k stand from entry k to entry k + 1.
-    pub first: Vec<u32>,
+    first: Vec<u32>,
     cell: Vec<u32>,
     target: Vec<u32>,
     sorted: Vec<f64>,

@@ -1,6 +1,6 @@
 //! Bodies that move under the pressure: what each cell exerts on them.
 
-use crate::pressure::scalar::Scalar;
+use nalgebra::{RealField, convert, convert_unchecked};
 use std::collections::BTreeMap;
 
 /// Force and torque, padded to three dimensions: in two, the force has the first two entries and
@@ -64,10 +64,10 @@ impl BodyCoupling {
 
     /// Wrench of `q` on a body.
     #[inline]
-    pub fn wrench<T: Scalar>(&self, body: usize, q: &[T]) -> Wrench {
+    pub fn wrench<T: RealField + Copy>(&self, body: usize, q: &[T]) -> Wrench {
         let mut sum = [0.0; 6];
         for entry in self.entries(body) {
-            let q = q[self.cells[entry] as usize].double();
+            let q: f64 = convert_unchecked(q[self.cells[entry] as usize]);
             for k in 0..6 {
                 sum[k] += self.wrenches[entry][k] * q;
             }
@@ -83,14 +83,14 @@ impl BodyCoupling {
 
     /// Change of a body's velocities by `q`: `S J q`.
     #[inline]
-    pub fn motion<T: Scalar>(&self, body: usize, q: &[T]) -> Wrench {
+    pub fn motion<T: RealField + Copy>(&self, body: usize, q: &[T]) -> Wrench {
         self.moved(body, &self.wrench(body, q))
     }
 
     /// Adds the flux that velocities of a body push into the cells, `J^T U`, times a factor that
     /// may depend on the cell.
     #[inline]
-    pub fn add_flux<T: Scalar>(
+    pub fn add_flux<T: RealField + Copy>(
         &self,
         body: usize,
         velocity: &Wrench,
@@ -99,12 +99,17 @@ impl BodyCoupling {
     ) {
         for entry in self.entries(body) {
             let at = self.cells[entry] as usize;
-            out[at] += T::of(factor(at) * dot6(&self.wrenches[entry], velocity));
+            out[at] += convert(factor(at) * dot6(&self.wrenches[entry], velocity));
         }
     }
 
     /// Adds `J^T S J q`, times a factor that may depend on the cell.
-    pub fn apply<T: Scalar>(&self, q: &[T], out: &mut [T], factor: impl Fn(usize) -> f64) {
+    pub fn apply<T: RealField + Copy>(
+        &self,
+        q: &[T],
+        out: &mut [T],
+        factor: impl Fn(usize) -> f64,
+    ) {
         for body in 0..self.count() {
             let motion = self.motion(body, q);
             self.add_flux(body, &motion, out, &factor);

@@ -5,6 +5,7 @@
 //! is, at distance `1 / coupling` of the fine cell's centre; the coarse cell's centre lies half a
 //! fine cell farther away.
 
+use crate::grid::staggered_grid::{room, storage};
 use crate::pressure::stencil::Stencil;
 
 /// Cells of a level of a grid, and the cells of which one of the next level is made.
@@ -27,17 +28,12 @@ impl<const D: usize> LevelShape<D> {
     /// Of a number of cells along each axis, stored as a grid is.
     pub fn new(cells: [usize; D]) -> Self {
         let pair = cells.map(|n| if n > 1 { 2 } else { 1 });
-        let room = std::array::from_fn(|a| cells[a].next_multiple_of(pair[a]));
-        Self { pair, ..Self::stored_as(cells, room) }
+        Self { pair, ..Self::stored_as(cells, cells.map(room)) }
     }
 
     /// Of a number of cells, with room for as many as said.
     pub fn stored_as(cells: [usize; D], room: [usize; D]) -> Self {
-        let (mut stride, mut stored) = ([1; D], 1);
-        for a in 0..D {
-            stride[a] = stored;
-            stored *= room[a] + 2;
-        }
+        let (stride, stored) = storage(room);
         Self { cells, room, stride, stored, pair: [1; D] }
     }
 
@@ -98,26 +94,27 @@ impl<const D: usize> LevelShape<D> {
     }
 }
 
-/// Fills the coefficients of a coarser level.
+/// Fills the coefficients of a coarser level. `held` couples the fine cells to air, as
+/// [`held_by_air`] has it, and `full` is the coupling of an open fine face.
 pub fn coarsen<const D: usize>(
     fine_shape: &LevelShape<D>,
     fine: &Stencil<f32, D>,
+    held: &[f32],
+    full: f32,
     shape: &LevelShape<D>,
     coarse: &mut Stencil<f32, D>,
 ) {
     let children = fine_shape.children();
     coarse.diagonal.fill(0.0);
     coarse.coupling.iter_mut().for_each(|coupling| coupling.fill(0.0));
-    let all = fine.coupling.iter().flatten().copied();
-    let full = all.fold(f32::MIN_POSITIVE, f32::max);
     let is_active = |at: usize| fine.diagonal[at] > 0.0;
     for place in ghostless(shape) {
         let first = fine_shape.first_child(shape, place);
-        let mut held = 0.0;
+        let mut to_surface = 0.0;
         for &child in &children {
             let at = first + child;
             if is_active(at) {
-                held += to_air(fine_shape, fine, full, at, child);
+                to_surface += to_air(fine_shape, fine, (held[at], full), at, child);
             }
         }
         for a in 0..D {
@@ -127,7 +124,7 @@ pub fn coarsen<const D: usize>(
             let sum: f32 = lowest.map(|child| first + child).map(|at| fine.coupling[a][at]).sum();
             coarse.coupling[a][place] = sum / fine_shape.pair[a] as f32;
         }
-        coarse.diagonal[place] = held;
+        coarse.diagonal[place] = to_surface;
     }
     for place in ghostless(shape) {
         let mut sum = 0.0;
@@ -136,9 +133,7 @@ pub fn coarsen<const D: usize>(
         }
         coarse.diagonal[place] += sum;
     }
-    let row = if D > 1 { shape.stride[1] } else { shape.stored };
-    let diagonal = &coarse.diagonal;
-    coarse.rows.rebuild(shape.stored, row, |at| diagonal[at] > 0.0);
+    coarse.find_rows(shape.row_length());
 }
 
 /// Coupling of a cell to air, as its coarse cell feels it. Air lies where neighbours take no part:
@@ -147,11 +142,11 @@ pub fn coarsen<const D: usize>(
 fn to_air<const D: usize>(
     shape: &LevelShape<D>,
     fine: &Stencil<f32, D>,
-    full: f32,
+    (held, full): (f32, f32),
     at: usize,
     child: usize,
 ) -> f32 {
-    let held = held_by_air(fine, at) / full;
+    let held = held / full;
     if held == 0.0 {
         return 0.0;
     }

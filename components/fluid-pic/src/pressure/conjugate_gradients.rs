@@ -68,15 +68,12 @@ impl ConjugateGradients {
         let start = rows.all_spans().flatten().map(|at| b[at].abs()).fold(0.0, f64::max);
         let goal = (tolerance.relative * start).max(tolerance.absolute);
         let mut left = largest(residual);
-        let mut weight = 0.0;
-        for iteration in 0..tolerance.iterations {
-            if left <= goal {
-                return PressureOutcome { iterations: iteration, residual: left, converged: true };
-            }
+        let (mut weight, mut iterations) = (0.0, 0);
+        while left > goal && iterations < tolerance.iterations {
             multigrid.precondition(team, variant, residual, preconditioned);
             let fresh = dot(residual, preconditioned);
             // Polak and Ribiere's choice bears a preconditioner of single precision.
-            let beta = if iteration == 0 { 0.0 } else { -dot(preconditioned, applied) * weight };
+            let beta = if iterations == 0 { 0.0 } else { -dot(preconditioned, applied) * weight };
             for at in rows.all_spans().flatten() {
                 direction[at] = preconditioned[at] + beta * direction[at];
             }
@@ -94,12 +91,9 @@ impl ConjugateGradients {
             }
             weight = alpha / fresh;
             left = largest(residual);
+            iterations += 1;
         }
-        PressureOutcome {
-            iterations: tolerance.iterations,
-            residual: left,
-            converged: left <= goal,
-        }
+        PressureOutcome { iterations, residual: left, converged: left <= goal }
     }
 }
 

@@ -72,11 +72,9 @@ impl<const D: usize> Interpolation<D> {
     /// fine.
     fn parent_row(&self, at: [isize; D], fine: usize) -> usize {
         let coarse = &self.shapes[D];
-        let full = &self.shapes[0];
         (1..D)
             .map(|a| {
-                let pair = if coarse.cells[a] < full.cells[a] { 2 } else { 1 };
-                let along = if a >= fine { at[a] / pair } else { at[a] };
+                let along = if a >= fine && self.is_paired(a) { at[a] / 2 } else { at[a] };
                 (along + 1) as usize * coarse.stride[a]
             })
             .sum()
@@ -84,6 +82,26 @@ impl<const D: usize> Interpolation<D> {
 
     fn is_paired(&self, axis: usize) -> bool {
         self.shapes[D].cells[axis] < self.shapes[0].cells[axis]
+    }
+
+    /// Calls `work` for each row of an array of shape `k`, with its first cell, its number and its
+    /// values.
+    fn each_row(
+        &self,
+        team: &mut Team,
+        k: usize,
+        array: &mut [f32],
+        work: impl Fn([isize; D], usize, &mut [f32]) + Sync,
+    ) {
+        let length = self.shapes[k].row_length();
+        let rows_per_piece = (PIECE / length).max(1);
+        team.for_pieces(Cut::every(array, length * rows_per_piece), |piece, rows: &mut [f32]| {
+            for (number, row) in (piece * rows_per_piece..).zip(rows.chunks_mut(length)) {
+                if let Some(at) = self.row(k, number) {
+                    work(at, number, row);
+                }
+            }
+        });
     }
 
     /// Sums the residuals of the fine level into the right side of the coarse one.
@@ -113,45 +131,39 @@ impl<const D: usize> Interpolation<D> {
         to: &mut [f32],
     ) {
         let (fine, target) = (&self.shapes[axis], &self.shapes[axis + 1]);
-        let length = target.row_length();
         let n = target.cells[0];
-        let rows_per_piece = (PIECE / length).max(1);
-        team.for_pieces(Cut::every(to, length * rows_per_piece), |piece, to: &mut [f32]| {
-            for (k, to) in to.chunks_mut(length).enumerate() {
-                let Some(at) = self.row(axis + 1, piece * rows_per_piece + k) else { continue };
-                let parent = self.parent_row(at, axis + 1);
-                let to = &mut to[1..=n];
-                if !self.is_paired(axis) {
-                    to.copy_from_slice(&from[fine.row_start(at) + 1..][..n]);
-                    continue;
-                }
-                if axis == 0 {
-                    let s = &slope[parent..][..n + 2];
-                    let r = &from[fine.row_start(at)..][..2 * n + 2];
-                    for i in 0..n {
-                        let (below, above) = (s[i + 1], s[i + 2]);
-                        // Child 0 of the cell stands at 2 i + 1 behind the ghost.
-                        let children = &r[2 * i..2 * i + 4];
-                        to[i] = below * (children[0] - children[1])
-                            + (children[1] + children[2])
-                            + above * (children[3] - children[2]);
-                    }
-                    continue;
-                }
-                let stride = fine.stride[axis];
-                let mut first = at;
-                first[axis] *= 2;
-                let lower = fine.row_start(first) + 1;
-                let coarse_stride = self.shapes[D].stride[axis];
-                let below = &slope[parent + 1..][..n];
-                let above = &slope[parent + coarse_stride + 1..][..n];
-                let row = |start: usize| &from[start..][..n];
-                let (r0, r1, r2, r3) =
-                    (row(lower - stride), row(lower), row(lower + stride), row(lower + 2 * stride));
+        self.each_row(team, axis + 1, to, |at, _, to| {
+            let parent = self.parent_row(at, axis + 1);
+            let to = &mut to[1..=n];
+            if !self.is_paired(axis) {
+                to.copy_from_slice(&from[fine.row_start(at) + 1..][..n]);
+                return;
+            }
+            if axis == 0 {
+                let s = &slope[parent..][..n + 2];
+                let r = &from[fine.row_start(at)..][..2 * n + 2];
                 for i in 0..n {
-                    to[i] =
-                        below[i] * (r0[i] - r1[i]) + (r1[i] + r2[i]) + above[i] * (r3[i] - r2[i]);
+                    let (below, above) = (s[i + 1], s[i + 2]);
+                    // Child 0 of the cell stands at 2 i + 1 behind the ghost.
+                    let children = &r[2 * i..2 * i + 4];
+                    to[i] = below * (children[0] - children[1])
+                        + (children[1] + children[2])
+                        + above * (children[3] - children[2]);
                 }
+                return;
+            }
+            let stride = fine.stride[axis];
+            let mut first = at;
+            first[axis] *= 2;
+            let lower = fine.row_start(first) + 1;
+            let coarse_stride = self.shapes[D].stride[axis];
+            let below = &slope[parent + 1..][..n];
+            let above = &slope[parent + coarse_stride + 1..][..n];
+            let row = |start: usize| &from[start..][..n];
+            let (r0, r1, r2, r3) =
+                (row(lower - stride), row(lower), row(lower + stride), row(lower + 2 * stride));
+            for i in 0..n {
+                to[i] = below[i] * (r0[i] - r1[i]) + (r1[i] + r2[i]) + above[i] * (r3[i] - r2[i]);
             }
         });
     }
@@ -196,28 +208,24 @@ impl<const D: usize> Interpolation<D> {
         to: &mut [f32],
     ) {
         let (target, source) = (&self.shapes[axis], &self.shapes[axis + 1]);
-        let (length, n) = (target.row_length(), target.cells[0]);
-        let rows_per_piece = (PIECE / length).max(1);
+        let n = target.cells[0];
         let coarse_stride = self.shapes[D].stride[axis];
-        team.for_pieces(Cut::every(to, length * rows_per_piece), |piece, to: &mut [f32]| {
-            for (k, to) in to.chunks_mut(length).enumerate() {
-                let Some(at) = self.row(axis, piece * rows_per_piece + k) else { continue };
-                let Row { start, parent, side } = self.child(at, axis);
-                let here = &from[start + 1..][..n];
-                let to = &mut to[1..=n];
-                if !self.is_paired(axis) {
-                    to.copy_from_slice(here);
-                    continue;
-                }
-                let beyond = if side == 0 {
-                    &from[start + 1 - source.stride[axis]..][..n]
-                } else {
-                    &from[start + 1 + source.stride[axis]..][..n]
-                };
-                let s = &slope[parent + side * coarse_stride + 1..][..n];
-                for i in 0..n {
-                    to[i] = here[i] + s[i] * (beyond[i] - here[i]);
-                }
+        self.each_row(team, axis, to, |at, _, to| {
+            let Row { start, parent, side } = self.child(at, axis);
+            let here = &from[start + 1..][..n];
+            let to = &mut to[1..=n];
+            if !self.is_paired(axis) {
+                to.copy_from_slice(here);
+                return;
+            }
+            let beyond = if side == 0 {
+                &from[start + 1 - source.stride[axis]..][..n]
+            } else {
+                &from[start + 1 + source.stride[axis]..][..n]
+            };
+            let s = &slope[parent + side * coarse_stride + 1..][..n];
+            for i in 0..n {
+                to[i] = here[i] + s[i] * (beyond[i] - here[i]);
             }
         });
     }
@@ -231,32 +239,26 @@ impl<const D: usize> Interpolation<D> {
         q: &mut [f32],
     ) {
         let (target, source) = (&self.shapes[0], &self.shapes[1]);
-        let length = target.row_length();
-        let n = source.cells[0];
-        let rows_per_piece = (PIECE / length).max(1);
-        team.for_pieces(Cut::every(q, length * rows_per_piece), |piece, q: &mut [f32]| {
-            for (k, q) in q.chunks_mut(length).enumerate() {
-                let number = piece * rows_per_piece + k;
-                let Some(at) = self.row(0, number) else { continue };
-                let parent = self.parent_row(at, 0);
-                let t = &from[source.row_start(at)..][..n + 2];
-                let inverse = &inverse[number * length..][..length];
-                let put = |q: &mut f32, inverse: f32, value: f32| {
-                    *q += if inverse > 0.0 { value } else { 0.0 };
-                };
-                if !self.is_paired(0) {
-                    for i in 1..=n {
-                        put(&mut q[i], inverse[i], t[i]);
-                    }
-                    continue;
-                }
-                let s = &slope[parent..][..n + 2];
+        let (length, n) = (target.row_length(), source.cells[0]);
+        self.each_row(team, 0, q, |at, number, q| {
+            let parent = self.parent_row(at, 0);
+            let t = &from[source.row_start(at)..][..n + 2];
+            let inverse = &inverse[number * length..][..length];
+            let put = |q: &mut f32, inverse: f32, value: f32| {
+                *q += if inverse > 0.0 { value } else { 0.0 };
+            };
+            if !self.is_paired(0) {
                 for i in 1..=n {
-                    let (below, here, above) = (t[i - 1], t[i], t[i + 1]);
-                    let child = 2 * i - 1;
-                    put(&mut q[child], inverse[child], here + s[i] * (below - here));
-                    put(&mut q[child + 1], inverse[child + 1], here + s[i + 1] * (above - here));
+                    put(&mut q[i], inverse[i], t[i]);
                 }
+                return;
+            }
+            let s = &slope[parent..][..n + 2];
+            for i in 1..=n {
+                let (below, here, above) = (t[i - 1], t[i], t[i + 1]);
+                let child = 2 * i - 1;
+                put(&mut q[child], inverse[child], here + s[i] * (below - here));
+                put(&mut q[child + 1], inverse[child + 1], here + s[i + 1] * (above - here));
             }
         });
     }

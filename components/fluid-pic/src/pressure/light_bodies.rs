@@ -11,9 +11,8 @@
 //! one body after the other, and back in the opposite order.
 
 use crate::pressure::body_coupling::{BodyCoupling, Wrench};
-use crate::pressure::scalar::Scalar;
 use crate::pressure::stencil::Stencil;
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix6, RealField, Vector6};
 
 /// Stiffness from which a body is balanced, relative to the coupling of an open face. Below, the
 /// diagonal bears it. Found by trial: from 0.1 to 5 the iterations are the same, from 20 on they
@@ -39,7 +38,7 @@ struct LightBody {
 
 impl LightBodies {
     /// Finds the light bodies, and prepares their balance. `full` is the coupling of an open face.
-    pub fn prepare<T: Scalar, const D: usize>(
+    pub fn prepare<T: RealField + Copy, const D: usize>(
         &mut self,
         stencil: &Stencil<T, D>,
         coupling: &BodyCoupling,
@@ -65,7 +64,7 @@ impl LightBodies {
     }
 
     /// Holds the motions of light bodies by `q`, until smoothing has ended.
-    pub fn hold<T: Scalar>(&mut self, coupling: &BodyCoupling, q: &[T]) {
+    pub fn hold<T: RealField + Copy>(&mut self, coupling: &BodyCoupling, q: &[T]) {
         for light in &self.bodies {
             self.held[light.body] = Some(coupling.motion(light.body, q));
         }
@@ -73,7 +72,7 @@ impl LightBodies {
 
     /// Motion of a body by `q`; of a light one, the motion that is held.
     #[inline]
-    pub fn motion_while_smoothing<T: Scalar>(
+    pub fn motion_while_smoothing<T: RealField + Copy>(
         &self,
         coupling: &BodyCoupling,
         body: usize,
@@ -88,7 +87,7 @@ impl LightBodies {
     }
 
     /// Balances one of the light bodies. `rest` is room to work in.
-    pub fn balance<T: Scalar, const D: usize>(
+    pub fn balance<T: RealField + Copy, const D: usize>(
         &self,
         number: usize,
         stencil: &Stencil<T, D>,
@@ -135,7 +134,7 @@ fn sharers(coupling: &BodyCoupling, by_cell: &[(u32, u32)], body: usize) -> Vec<
 }
 
 /// Inverse of `W^T A W` for one body.
-fn balance<T: Scalar, const D: usize>(
+fn balance<T: RealField + Copy, const D: usize>(
     stencil: &Stencil<T, D>,
     coupling: &BodyCoupling,
     body: usize,

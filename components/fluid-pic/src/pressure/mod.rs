@@ -17,5 +17,4 @@ pub mod conjugate_gradients;
 pub mod interpolation;
 pub mod light_bodies;
 pub mod multigrid;
-pub mod scalar;
 pub mod stencil;

@@ -8,9 +8,9 @@ use crate::pressure::body_coupling::{BodyCoupling, dot6};
 use crate::pressure::coarsen::{LevelShape, coarsen, held_by_air};
 use crate::pressure::interpolation::Interpolation;
 use crate::pressure::light_bodies::{LIGHT, LightBodies};
-use crate::pressure::stencil::{Stencil, vectorised};
+use crate::pressure::stencil::Stencil;
 use nalgebra::{Cholesky, DMatrix, Dyn};
-use tremie_team::{Cut, Team, Variant};
+use tremie_team::{Team, Variant};
 
 /// Cells that take part up to which a level is solved directly.
 const DIRECT: usize = 160;
@@ -32,6 +32,8 @@ struct Level<const D: usize> {
     inverse: Vec<f32>,
     /// What couples a cell to air, over the number of its neighbours that are no fluid.
     held: Vec<f32>,
+    /// Coupling of an open face across each axis.
+    full: [f32; D],
     /// Slopes of the interpolation across the lower face of each cell, along each axis.
     slope: [Vec<f32>; D],
     q: Vec<f32>,
@@ -97,7 +99,8 @@ impl<const D: usize> Multigrid<D> {
         while self.used < self.levels.len() && self.levels[self.used - 1].active() > DIRECT {
             let (fine, coarse) = self.levels.split_at_mut(self.used);
             let (fine, coarse) = (&fine[fine.len() - 1], &mut coarse[0]);
-            coarsen(&fine.shape, &fine.stencil, &coarse.shape, &mut coarse.stencil);
+            let Level { shape, stencil, held, .. } = fine;
+            coarsen(shape, stencil, held, fine.full(), &coarse.shape, &mut coarse.stencil);
             let parent = |at| fine.shape.parent(&coarse.shape, at);
             let children = fine.shape.pair.iter().product();
             fine.coupling.coarsen(parent, children, RESOLVED[D - 1], &mut coarse.coupling);
@@ -207,11 +210,17 @@ impl<const D: usize> Level<D> {
             light: LightBodies::default(),
             inverse: zeros(),
             held: zeros(),
+            full: [0.0; D],
             slope: std::array::from_fn(|_| zeros()),
             q: zeros(),
             b: zeros(),
             rest: zeros(),
         }
+    }
+
+    /// Coupling of an open face across whichever axis has the largest.
+    fn full(&self) -> f32 {
+        self.full.into_iter().fold(0.0, f32::max)
     }
 
     /// Number of cells that take part.
@@ -231,11 +240,15 @@ impl<const D: usize> Level<D> {
         for at in self.stencil.rows.all_spans().flatten() {
             self.held[at] = held_by_air(&self.stencil, at);
         }
+        self.full = self
+            .stencil
+            .coupling
+            .each_ref()
+            .map(|coupling| coupling.iter().copied().fold(f32::MIN_POSITIVE, f32::max));
         for a in 0..D {
             self.derive_slopes(a);
         }
-        let all = self.stencil.coupling.iter().flatten().copied();
-        let full = f64::from(all.fold(f32::MIN_POSITIVE, f32::max));
+        let full = f64::from(self.full());
         self.light.prepare(&self.stencil, &self.coupling, full);
         self.bear_bodies(full);
     }
@@ -264,8 +277,7 @@ impl<const D: usize> Level<D> {
     /// Slopes of the interpolation across the faces of one axis.
     fn derive_slopes(&mut self, axis: usize) {
         let (stride, stored) = (self.shape.stride[axis], self.shape.stored);
-        let coupling = &self.stencil.coupling[axis];
-        let full = coupling.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+        let (coupling, full) = (&self.stencil.coupling[axis], self.full[axis]);
         let is_active = |at: usize| self.inverse[at] > 0.0;
         let slope = &mut self.slope[axis];
         slope[..stride].fill(0.0);
@@ -304,18 +316,11 @@ impl<const D: usize> Level<D> {
             return self.smooth(team, variant, weights);
         }
         let Self { stencil, coupling, inverse, q, b, rest, .. } = self;
-        let (b, inverse) = (&*b, &*inverse);
-        team.for_pieces(Cut::at(rest, &stencil.rows.bounds), |piece, out: &mut [f32]| {
-            let first = stencil.rows.start(piece);
-            vectorised(variant, || {
-                for span in stencil.rows.spans(piece) {
-                    let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
-                    let out = &mut out[span.start - first..span.end - first];
-                    for i in 0..out.len() {
-                        out[i] = weights[0] * inverse[i] * b[i];
-                    }
-                }
-            });
+        stencil.rows.fill(team, variant, rest, |span, out| {
+            let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
+            for i in 0..out.len() {
+                out[i] = weights[0] * inverse[i] * b[i];
+            }
         });
         stencil.relax(team, variant, weights[1], inverse, rest, b, q);
         coupling.apply(rest, q, |at| -f64::from(weights[1] * inverse[at]));

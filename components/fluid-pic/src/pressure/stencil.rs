@@ -1,10 +1,9 @@
 //! The equation of a cell with its neighbours along the axes, row by row.
 
 use crate::grid::cell_rows::CellRows;
-use crate::pressure::scalar::Scalar;
+use nalgebra::{RealField, convert_unchecked};
 use std::ops::Range;
-use tremie_team::instructions::Work;
-use tremie_team::{Cut, Team, Variant};
+use tremie_team::{Team, Variant};
 
 /// Coefficients `diagonal q - sum over neighbours coupling q_beyond`. A cell that takes no part has
 /// none, and its `q` is 0. What couples a cell to air, where `q` is 0, stands in its diagonal
@@ -21,22 +20,6 @@ pub struct Stencil<T, const D: usize> {
     pub rows: CellRows,
 }
 
-/// Work made of a closure, so that one loop is compiled for all instructions.
-struct Loop<F>(F);
-
-impl<F: FnOnce()> Work for Loop<F> {
-    #[inline(always)]
-    fn run(self) {
-        (self.0)();
-    }
-}
-
-/// Does a loop in the widest instructions that are there.
-#[inline(always)]
-pub fn vectorised(variant: Variant, work: impl FnOnce()) {
-    variant.run(Loop(work));
-}
-
 /// Neighbours of a span of cells along all axes, and the couplings to them.
 struct CellNeighbours<'a, T, const D: usize> {
     below: [&'a [T]; D],
@@ -47,7 +30,7 @@ struct CellNeighbours<'a, T, const D: usize> {
     diagonal: &'a [T],
 }
 
-impl<'a, T: Scalar, const D: usize> CellNeighbours<'a, T, D> {
+impl<'a, T: RealField + Copy, const D: usize> CellNeighbours<'a, T, D> {
     #[inline(always)]
     fn of(stencil: &'a Stencil<T, D>, q: &'a [T], span: &Range<usize>) -> Self {
         let n = span.len();
@@ -75,12 +58,12 @@ impl<'a, T: Scalar, const D: usize> CellNeighbours<'a, T, D> {
     }
 }
 
-impl<T: Scalar, const D: usize> Stencil<T, D> {
+impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
     /// Without any coefficients.
     pub fn empty(stored: usize, stride: [usize; D]) -> Self {
         Self {
-            diagonal: vec![T::default(); stored],
-            coupling: std::array::from_fn(|_| vec![T::default(); stored]),
+            diagonal: vec![T::zero(); stored],
+            coupling: std::array::from_fn(|_| vec![T::zero(); stored]),
             stride,
             rows: CellRows::default(),
         }
@@ -100,45 +83,49 @@ impl<T: Scalar, const D: usize> Stencil<T, D> {
     /// `A q` in one cell, in double precision.
     #[inline]
     pub fn applied_double(&self, q: &[f64], at: usize) -> f64 {
-        let mut sum = self.diagonal[at].double() * q[at];
+        let double = convert_unchecked::<T, f64>;
+        let mut sum = double(self.diagonal[at]) * q[at];
         for (coupling, stride) in self.coupling.iter().zip(self.stride) {
-            sum -= coupling[at].double() * q[at - stride];
-            sum -= coupling[at + stride].double() * q[at + stride];
+            sum -= double(coupling[at]) * q[at - stride];
+            sum -= double(coupling[at + stride]) * q[at + stride];
         }
         sum
     }
 
+    /// Finds the rows of cells that have an equation; a row has `length` stored cells.
+    pub fn find_rows(&mut self, length: usize) {
+        let Self { diagonal, rows, .. } = self;
+        rows.rebuild(diagonal.len(), length, |at| diagonal[at] > T::zero());
+    }
+
+    /// Writes to the cells of all rows what `value` says of cell `i` of a span: with its neighbours,
+    /// and the values of other arrays in the span.
+    #[inline(always)]
+    fn each<const K: usize>(
+        &self,
+        team: &mut Team,
+        variant: Variant,
+        (q, others): (&[T], [&[T]; K]),
+        out: &mut [T],
+        value: impl Fn(&CellNeighbours<T, D>, [&[T]; K], usize) -> T + Sync,
+    ) {
+        self.rows.fill(team, variant, out, |span, out| {
+            let around = CellNeighbours::of(self, q, span);
+            let others = others.map(|array| &array[span.clone()]);
+            for i in 0..out.len() {
+                out[i] = value(&around, others, i);
+            }
+        });
+    }
+
     /// `out = A q`.
     pub fn apply(&self, team: &mut Team, variant: Variant, q: &[T], out: &mut [T]) {
-        team.for_pieces(Cut::at(out, &self.rows.bounds), |piece, out: &mut [T]| {
-            let first = self.rows.start(piece);
-            vectorised(variant, || {
-                for span in self.rows.spans(piece) {
-                    let around = CellNeighbours::of(self, q, &span);
-                    let out = &mut out[span.start - first..span.end - first];
-                    for i in 0..out.len() {
-                        out[i] = around.applied(i);
-                    }
-                }
-            });
-        });
+        self.each(team, variant, (q, []), out, |around, [], i| around.applied(i));
     }
 
     /// `out = b - A q`.
     pub fn residual(&self, team: &mut Team, variant: Variant, q: &[T], b: &[T], out: &mut [T]) {
-        team.for_pieces(Cut::at(out, &self.rows.bounds), |piece, out: &mut [T]| {
-            let first = self.rows.start(piece);
-            vectorised(variant, || {
-                for span in self.rows.spans(piece) {
-                    let around = CellNeighbours::of(self, q, &span);
-                    let b = &b[span.clone()];
-                    let out = &mut out[span.start - first..span.end - first];
-                    for i in 0..out.len() {
-                        out[i] = b[i] - around.applied(i);
-                    }
-                }
-            });
-        });
+        self.each(team, variant, (q, [b]), out, |around, [b], i| b[i] - around.applied(i));
     }
 
     /// One step of Richardson's iteration, preconditioned by the diagonal: `out = q + weight
@@ -155,19 +142,8 @@ impl<T: Scalar, const D: usize> Stencil<T, D> {
         b: &[T],
         out: &mut [T],
     ) {
-        team.for_pieces(Cut::at(out, &self.rows.bounds), |piece, out: &mut [T]| {
-            let first = self.rows.start(piece);
-            vectorised(variant, || {
-                for span in self.rows.spans(piece) {
-                    let around = CellNeighbours::of(self, q, &span);
-                    let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
-                    let out = &mut out[span.start - first..span.end - first];
-                    for i in 0..out.len() {
-                        let rest = b[i] - around.applied(i);
-                        out[i] = around.here[i] + weight * inverse[i] * rest;
-                    }
-                }
-            });
+        self.each(team, variant, (q, [b, inverse]), out, |around, [b, inverse], i| {
+            around.here[i] + weight * inverse[i] * (b[i] - around.applied(i))
         });
     }
 }

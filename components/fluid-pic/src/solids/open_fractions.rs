@@ -9,6 +9,9 @@ use crate::solids::ball_overlap::{disc_in_rectangle, segment_in_ball, sphere_in_
 use crate::solids::rigid_body::RigidBody;
 use std::f64::consts::PI;
 
+/// Distance that particles keep from bodies and walls, in edges of cells.
+pub const MARGIN: f64 = 1e-3;
+
 /// Open parts of faces and cells, and the flux that moving walls push into the fluid.
 #[derive(Clone, Debug)]
 pub struct OpenFractions<const D: usize> {
@@ -22,8 +25,9 @@ pub struct OpenFractions<const D: usize> {
     /// Of each entry of the coupling, covered part of the cell less the mean of the covered parts
     /// of its two faces across each axis.
     pub beyond_faces: Vec<[f64; D]>,
-    /// Cells whose fractions differ from those of the empty box.
+    /// Cells that bodies come near: only there fractions differ from those of the empty box.
     touched: Vec<u32>,
+    is_touched: Vec<bool>,
     empty: [Vec<f64>; D],
     empty_volume: Vec<f64>,
 }
@@ -54,6 +58,7 @@ impl<const D: usize> OpenFractions<D> {
             pushed: vec![0.0; grid.stored],
             beyond_faces: Vec::new(),
             touched: Vec::new(),
+            is_touched: vec![false; grid.stored],
         }
     }
 
@@ -73,6 +78,7 @@ impl<const D: usize> OpenFractions<D> {
             }
             self.volume[place] = self.empty_volume[place];
             self.pushed[place] = 0.0;
+            self.is_touched[place] = false;
         }
         self.touched.clear();
         coupling.clear();
@@ -80,6 +86,19 @@ impl<const D: usize> OpenFractions<D> {
         for body in bodies {
             self.place_body(grid, body, cell_mass, coupling);
         }
+    }
+
+    /// True if a body comes as near to a cell as particles may.
+    #[inline]
+    pub fn is_near_a_body(&self, place: usize) -> bool {
+        self.is_touched[place]
+    }
+
+    /// True if the face between a cell and the one `below` it across an axis is a wall of the box.
+    #[inline]
+    pub fn is_wall(&self, axis: usize, place: usize, below: usize) -> bool {
+        let [here, under] = [place, below].map(|place| self.volume[place]);
+        self.open[axis][place] == 0.0 && here != under && (here == 0.0 || under == 0.0)
     }
 
     fn place_body(
@@ -90,7 +109,8 @@ impl<const D: usize> OpenFractions<D> {
         coupling: &mut BodyCoupling,
     ) {
         let reach = |a: usize, side: f64| {
-            let along = (body.centre[a] + side * body.radius - grid.origin[a]) / grid.spacing;
+            let radius = body.radius + MARGIN * grid.spacing;
+            let along = (body.centre[a] + side * radius - grid.origin[a]) / grid.spacing;
             (along.floor() as isize).clamp(-1, grid.cells[a] as isize)
         };
         let first: [isize; D] = std::array::from_fn(|a| reach(a, -1.0));
@@ -128,6 +148,7 @@ impl<const D: usize> OpenFractions<D> {
     ) {
         let place = grid.place(at);
         self.touched.push(place as u32);
+        self.is_touched[place] = true;
         let is_inside = (0..D).all(|a| at[a] >= 0 && at[a] < grid.cells[a] as isize);
         let mut wrench: Wrench = [0.0; 6];
         let mut faces = [0.0; D];

@@ -1,6 +1,6 @@
 //! Velocities beyond the fluid: means of neighbours, layer by layer.
 
-use crate::grid::staggered_grid::StaggeredGrid;
+use crate::grid::staggered_grid::{GHOST, StaggeredGrid};
 
 /// Knowledge of the velocity of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,11 +23,13 @@ pub fn extrapolate<const D: usize>(
     velocity: &mut [f64],
     found: &mut Vec<(u32, f64)>,
 ) {
-    let row = if D > 1 { grid.stride[1] } else { grid.stored };
+    let length = grid.row_length();
     for _ in 0..layers {
         found.clear();
-        for start in (0..grid.stored).step_by(row) {
-            for along in 0..row {
+        for start in (0..grid.stored).step_by(length) {
+            let (rows, count_of_rows) = rows_beside(grid, start);
+            let beside = &rows[..count_of_rows];
+            for along in 0..length {
                 let at = start + along;
                 if state[at] != FaceState::Unknown {
                     continue;
@@ -42,20 +44,11 @@ pub fn extrapolate<const D: usize>(
                 if along > 0 {
                     add(at - 1);
                 }
-                if along + 1 < row {
+                if along + 1 < length {
                     add(at + 1);
                 }
-                for a in 1..D {
-                    let (stride, position) = (grid.stride[a], at / grid.stride[a]);
-                    let rows =
-                        if a + 1 < D { grid.stride[a + 1] / stride } else { grid.stored / stride };
-                    let along = position % rows;
-                    if along > 0 {
-                        add(at - stride);
-                    }
-                    if along + 1 < rows {
-                        add(at + stride);
-                    }
+                for row in beside {
+                    add(row + along);
                 }
                 if count > 0 {
                     found.push((at as u32, sum / f64::from(count)));
@@ -67,4 +60,25 @@ pub fn extrapolate<const D: usize>(
             state[at as usize] = FaceState::Fluid;
         }
     }
+}
+
+/// Starts of the rows beside that which begins at `start`, along the axes across it, and their
+/// number.
+fn rows_beside<const D: usize>(grid: &StaggeredGrid<D>, start: usize) -> ([usize; 4], usize) {
+    let at = grid.cell_at(start);
+    let (mut rows, mut count) = ([0; 4], 0);
+    for a in 1..D {
+        let stride = grid.stride[a];
+        let end = if a + 1 < D { grid.stride[a + 1] } else { grid.stored };
+        let position = (at[a] + GHOST as isize) as usize;
+        if position > 0 {
+            rows[count] = start - stride;
+            count += 1;
+        }
+        if (position + 1) * stride < end {
+            rows[count] = start + stride;
+            count += 1;
+        }
+    }
+    (rows, count)
 }

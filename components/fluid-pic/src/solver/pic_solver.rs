@@ -11,9 +11,8 @@
 //! 8  advection                  particles move
 //! ```
 
-use crate::grid::cell_rows::CellRows;
 use crate::grid::staggered_grid::StaggeredGrid;
-use crate::particles::cell_order::CellOrder;
+use crate::particles::cell_order::{CellOrder, cell_of};
 use crate::particles::from_grid::{FaceVelocity, advect, take_velocities};
 use crate::particles::particle_arrays::{ParticleArrays, Transfer};
 use crate::particles::to_grid::{to_cells, to_faces};
@@ -21,7 +20,7 @@ use crate::pressure::body_coupling::{BodyCoupling, Wrench};
 use crate::pressure::conjugate_gradients::{ConjugateGradients, PressureOutcome, Tolerance};
 use crate::pressure::multigrid::Multigrid;
 use crate::pressure::stencil::Stencil;
-use crate::solids::open_fractions::OpenFractions;
+use crate::solids::open_fractions::{MARGIN, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{FaceState, extrapolate};
 use crate::solver::free_surface::SurfaceOrder;
@@ -242,11 +241,7 @@ impl<const D: usize> PicSolver<D> {
             self.right[at] = -outflow;
         }
         self.add_bodies(dt, bodies);
-        let row = if D > 1 { stride[1] } else { self.grid.stored };
-        let diagonal = &self.stencil.diagonal;
-        let mut rows: CellRows = std::mem::take(&mut self.stencil.rows);
-        rows.rebuild(self.grid.stored, row, |at| diagonal[at] > 0.0);
-        self.stencil.rows = rows;
+        self.stencil.find_rows(self.grid.row_length());
         for at in 0..self.grid.stored {
             if self.stencil.diagonal[at] == 0.0 {
                 self.right[at] = 0.0;
@@ -331,10 +326,7 @@ impl<const D: usize> PicSolver<D> {
             for at in stride..self.grid.stored {
                 let below = at - stride;
                 let open = self.fractions.open[a][at];
-                let is_wall = open == 0.0
-                    && self.fractions.volume[at] != self.fractions.volume[below]
-                    && (self.fractions.volume[at] == 0.0 || self.fractions.volume[below] == 0.0);
-                self.state[a][at] = if is_wall {
+                self.state[a][at] = if self.fractions.is_wall(a, at, below) {
                     self.velocity[a][at] = 0.0;
                     FaceState::Wall
                 } else if open == 0.0 {
@@ -389,27 +381,32 @@ impl<const D: usize> PicSolver<D> {
             &self.velocity,
             &mut self.particles,
         );
-        let margin = 1e-3 * self.grid.spacing;
+        let margin = MARGIN * self.grid.spacing;
         let lower = self.grid.origin.map(|x| x + margin);
         let upper = self.grid.end().map(|x| x - margin);
         advect(&self.grid, &self.velocity, dt, lower, upper, &mut self.particles);
-        for body in bodies {
-            self.push_out(body, margin);
-        }
+        self.push_out(bodies, margin);
     }
 
-    /// Moves particles out of a body, straight away from its centre.
-    fn push_out(&mut self, body: &RigidBody<D>, margin: f64) {
-        let within = (body.radius + margin) * (body.radius + margin);
+    /// Moves particles out of bodies, straight away from their centres. Most particles are in cells
+    /// that no body comes near.
+    fn push_out(&mut self, bodies: &[RigidBody<D>], margin: f64) {
         for particle in 0..self.particles.len() {
-            let at = self.particles.at(particle);
-            let arm: [f64; D] = std::array::from_fn(|a| at[a] - body.centre[a]);
-            let distance2: f64 = arm.iter().map(|x| x * x).sum();
-            if distance2 < within && distance2 > 0.0 {
-                let stretch = (body.radius + margin) / distance2.sqrt();
-                for a in 0..D {
-                    self.particles.position[a][particle] = body.centre[a] + stretch * arm[a];
+            let mut at = self.particles.at(particle);
+            if !self.fractions.is_near_a_body(cell_of(&self.grid, at)) {
+                continue;
+            }
+            for body in bodies {
+                let arm: [f64; D] = std::array::from_fn(|a| at[a] - body.centre[a]);
+                let distance2: f64 = arm.iter().map(|x| x * x).sum();
+                let reach = body.radius + margin;
+                if distance2 < reach * reach && distance2 > 0.0 {
+                    let stretch = reach / distance2.sqrt();
+                    at = std::array::from_fn(|a| body.centre[a] + stretch * arm[a]);
                 }
+            }
+            for a in 0..D {
+                self.particles.position[a][particle] = at[a];
             }
         }
     }

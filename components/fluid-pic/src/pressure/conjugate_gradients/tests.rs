@@ -1,7 +1,6 @@
 //! A tank with a wave on it and round bodies in a lattice: iterations, solutions, threads.
 
 use super::*;
-use crate::grid::cell_rows::CellRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::solids::open_fractions::OpenFractions;
 use crate::solids::rigid_body::RigidBody;
@@ -80,11 +79,11 @@ impl<const D: usize> Tank<D> {
                 *wrench = [0.0; 6];
             }
         }
-        let diagonal = &stencil.diagonal;
-        let mut rows = CellRows::default();
-        rows.rebuild(grid.stored, grid.stride[1], |at| diagonal[at] > 0.0);
-        stencil.rows = rows;
-        right.iter_mut().zip(diagonal).for_each(|(b, &d)| *b = if d > 0.0 { *b } else { 0.0 });
+        stencil.find_rows(grid.row_length());
+        right
+            .iter_mut()
+            .zip(&stencil.diagonal)
+            .for_each(|(b, &d)| *b = if d > 0.0 { *b } else { 0.0 });
         Self { grid, stencil, coupling, right }
     }
 
