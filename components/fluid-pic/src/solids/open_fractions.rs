@@ -97,8 +97,8 @@ impl<const D: usize> OpenFractions<D> {
     /// True if the face between a cell and the one `below` it across an axis is a wall of the box.
     #[inline]
     pub fn is_wall(&self, axis: usize, place: usize, below: usize) -> bool {
-        let [here, under] = [place, below].map(|place| self.volume[place]);
-        self.open[axis][place] == 0.0 && here != under && (here == 0.0 || under == 0.0)
+        let is_cell = |place: usize| self.empty_volume[place] > 0.0;
+        self.empty[axis][place] == 0.0 && (is_cell(place) || is_cell(below))
     }
 
     fn place_body(
