@@ -1,8 +1,8 @@
 //! Signals of probes: name, unit, meaning and value of each.
 
-use crate::window::signal_row::SignalRow;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_messages::start::signal_row::{SignalRow, push};
 
 /// Values of a probe, SI units; of a profile only the velocity counts.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,5 +100,5 @@ pub fn append(shape: &ProbeShape, measured: &ProbeValues, out: &mut Vec<f64>) {
     if let ProbeShape::Profile { axis, .. } = shape {
         return out.push(measured.velocity[*axis]);
     }
-    out.extend(rows(shape).iter().map(|(_, _, _, value)| value(measured)));
+    push(rows(shape), measured, out);
 }

@@ -1,9 +1,8 @@
 //! Signals that every fluid tells: of parts, and of the domain's walls.
 
-use crate::window::signal_row::SignalRow;
 use tremie_messages::Load;
 use tremie_messages::scene::{Face, Scene};
-use tremie_messages::start::Signal;
+use tremie_messages::start::SignalRow;
 
 const FORCE: &str = "force of the fluid on the part, fixed or moving: gauge pressure, shear, the pressure in gaps, and \
     buoyancy as if fluid stood all around what of it lies in the domain (of a cavity the weight of what fills it; none along a \
@@ -28,17 +27,6 @@ pub const OF_PARTS: [SignalRow<Load>; 6] = [
     ("torque_y", "N m", TORQUE, |load| load.torque[1]),
     ("torque_z", "N m", TORQUE, |load| load.torque[2]),
 ];
-
-/// Adds the signals of something that has a name.
-pub fn add<S>(all: &mut Vec<Signal>, name: &str, rows: &[SignalRow<S>]) {
-    let of = |row: &SignalRow<S>| signal(format!("{name}.{}", row.0), row.1, row.2);
-    all.extend(rows.iter().map(of));
-}
-
-/// A signal that is told in each window.
-pub fn signal(name: String, unit: &str, meaning: &str) -> Signal {
-    Signal { name, unit: unit.into(), meaning: meaning.into(), sampled: false }
-}
 
 /// Axis and side of the faces on which the fluid acts: walls and symmetry planes.
 pub fn walls(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {

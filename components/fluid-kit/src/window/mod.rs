@@ -2,5 +2,4 @@
 
 pub mod fluid_signals;
 pub mod part_loads;
-pub mod signal_row;
 pub mod substep_means;

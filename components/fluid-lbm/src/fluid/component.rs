@@ -14,6 +14,7 @@ use tremie_fluid_kit::window::part_loads::PartLoads;
 use tremie_fluid_kit::window::substep_means::SubstepMeans;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::scene::DeformableSurface;
+use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
@@ -195,14 +196,14 @@ impl Fluid for LbmComponent {
             ledger: self.fluid.ledger(),
             stiffness: self.stiffness,
         };
-        values.extend(OF_FLUID.iter().map(|(_, _, _, value)| value(&state)));
+        push(&OF_FLUID, &state, values);
         let forces = self.fluid.wall_forces();
         for &(axis, side) in &self.walls {
-            values.extend(OF_WALLS.iter().map(|(_, _, _, value)| value(&forces[axis][side])));
+            push(&OF_WALLS, &forces[axis][side], values);
         }
         self.fluid.loads_on_parts(&mut self.on_parts);
         for load in self.parts.loads(&self.on_parts) {
-            values.extend(OF_PARTS.iter().map(|(_, _, _, value)| value(load)));
+            push(&OF_PARTS, load, values);
         }
         self.fluid.reservoirs(&mut self.reservoirs);
         values.extend(self.reservoirs.iter().flat_map(ReservoirState::values));

@@ -6,10 +6,10 @@ use crate::lattice::ledger::Ledger;
 use crate::solver::diagnostics::Diagnostics;
 use tremie_fluid_kit::cells::grid::face_name;
 use tremie_fluid_kit::probes::probe_signals::probe_signals;
-use tremie_fluid_kit::window::fluid_signals::{OF_PARTS, OF_WALLS, add, signal, walls};
-use tremie_fluid_kit::window::signal_row::SignalRow;
+use tremie_fluid_kit::window::fluid_signals::{OF_PARTS, OF_WALLS, walls};
 use tremie_sdk::messages::scene::Scene;
 use tremie_sdk::messages::start::Signal;
+use tremie_sdk::messages::start::signal_row::{SignalRow, describe};
 
 /// Sources of the signals of the whole fluid.
 pub struct FluidState {
@@ -103,17 +103,23 @@ pub const OF_FLUID: [SignalRow<FluidState>; 25] = [
 
 /// All signals of a scene, in the order in which they are told.
 pub fn signals(scene: &Scene) -> Vec<Signal> {
-    let mut all: Vec<_> = OF_FLUID.iter().map(|row| signal(row.0.into(), row.1, row.2)).collect();
+    let mut all: Vec<_> = describe(&OF_FLUID, "").collect();
     for (axis, side) in walls(scene) {
-        add(&mut all, &face_name(axis, side), &OF_WALLS);
+        all.extend(describe(&OF_WALLS, &format!("{}.", face_name(axis, side))));
     }
     for part in &scene.parts {
-        add(&mut all, &part.name, &OF_PARTS);
+        all.extend(describe(&OF_PARTS, &format!("{}.", part.name)));
     }
     for (axis, side, _) in reservoirs_of(scene) {
-        add(&mut all, &format!("reservoir_{}", face_name(axis, side)), &OF_RESERVOIRS);
+        let before = format!("reservoir_{}.", face_name(axis, side));
+        all.extend(describe(&OF_RESERVOIRS, &before));
     }
     let of_probes = probe_signals(scene).into_iter();
-    all.extend(of_probes.map(|(name, unit, meaning)| signal(name, unit, &meaning).sampled()));
+    all.extend(of_probes.map(|(name, unit, meaning)| Signal {
+        name,
+        unit: unit.into(),
+        meaning,
+        sampled: true,
+    }));
     all
 }

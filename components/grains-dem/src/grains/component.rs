@@ -4,7 +4,7 @@ use crate::contact::plane_walls;
 use crate::grains::findings::{findings, limits};
 use crate::grains::followed::{self, Follow};
 use crate::grains::signals::{
-    BODIES, FACE, FLUID, INLET, MOTION, OF_ALL, OUTLET, PART, PATH, SLIDER, describe, push,
+    BODIES, FACE, FLUID, INLET, MOTION, OF_ALL, OUTLET, PART, PATH, SLIDER,
 };
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
@@ -13,6 +13,7 @@ use crate::solver::dem_solver::GrainsDem;
 use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::scene::{Motion, Scene};
+use tremie_sdk::messages::start::signal_row::{describe, push};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,

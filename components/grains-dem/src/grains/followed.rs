@@ -5,11 +5,12 @@
 //! scene asks for. Parts that move always are.
 
 use crate::bodies::placed_parts::PlacedPart;
-use crate::grains::signals::{FLUID, MOTION, push};
+use crate::grains::signals::{FLUID, MOTION};
 use crate::solver::clumps;
 use crate::solver::dem_solver::GrainsDem;
 use std::collections::BTreeSet;
 use tremie_messages::scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene};
+use tremie_messages::start::signal_row::push;
 use tremie_messages::{BodyEvent, BodyState, Load};
 
 /// Largest number of single bodies and clumps that are followed without being asked for.

@@ -21,10 +21,12 @@
 mod description;
 mod fault;
 mod frames;
+pub mod signal_row;
 
 pub use description::{Description, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches};
 pub use fault::{Fault, FaultKind, Injection, InjectionKind};
 pub use frames::{FrameContent, FrameStream, VolumeGrid};
+pub use signal_row::SignalRow;
 
 use crate::schedule::{Edge, Script};
 use crate::{Problem, Role, scene::Scene};

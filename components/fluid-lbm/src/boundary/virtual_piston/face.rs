@@ -32,8 +32,8 @@ use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
-use tremie_fluid_kit::window::signal_row::SignalRow;
 use tremie_messages::scene::{Face, Reservoir, Scene};
+use tremie_messages::start::SignalRow;
 use tremie_team::Team;
 
 /// Largest velocity at a face [cells a step]; the lattice fails soon beyond it.
