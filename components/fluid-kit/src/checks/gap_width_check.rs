@@ -2,10 +2,11 @@
 
 use crate::cells::centres::Centres;
 use crate::cells::vector::cross;
+use crate::survey::solids::start_frame;
 use crate::survey::static_geometry::StaticGeometry;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Bounds, Frame, Surface};
-use tremie_messages::scene::{Face, Motion, Placement, Pose, Scene};
+use tremie_messages::scene::{Face, Motion, Placement, Scene};
 
 /// Cells that a gap is looked for across.
 const REACH: f64 = 8.0;
@@ -141,17 +142,13 @@ impl Search {
 
 /// The parts where they are at the start.
 fn placed<'a>(scene: &'a Scene, ground: &'a StaticGeometry) -> Vec<PlacedSurface<'a>> {
-    let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
-    let moving = ground.moving.iter().enumerate();
-    let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
     let of = |(index, surface): (usize, &'a Surface)| {
         let part = &scene.parts[index];
-        let position = surface.endless().place(part.pose.position).into();
-        let frame = Frame::of(&Pose { position, ..part.pose });
+        let frame = start_frame(part, surface);
         let bounds = Bounds::of(surface.mesh().vertices.iter().map(|&v| frame.to_world(v)));
         PlacedSurface { name: &part.name, surface, frame, bounds }
     };
-    fixed.chain(moving).map(of).collect()
+    ground.part_surfaces().map(of).collect()
 }
 
 /// The spheres that the scene lists.

@@ -36,9 +36,6 @@ impl MendedPart {
 
 /// Parts whose files had to be mended.
 pub fn mended_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<MendedPart> {
-    let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
-    let moving = ground.moving.iter().enumerate();
-    let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
     let of = |(part, surface): (usize, &Surface)| {
         let done = surface.repairs();
         let changes = done.welded_near + done.dropped + done.turned + done.flipped;
@@ -49,5 +46,5 @@ pub fn mended_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<MendedPart> {
             what: done.to_string(),
         })
     };
-    fixed.chain(moving).filter_map(of).collect()
+    ground.part_surfaces().filter_map(of).collect()
 }

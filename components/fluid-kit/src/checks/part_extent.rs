@@ -10,10 +10,11 @@
 //! the faces of a tetrahedron are not opposite anywhere.
 
 use crate::cells::vector::{cross, dot};
+use crate::survey::solids::start_frame;
 use crate::survey::static_geometry::StaticGeometry;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Frame, Surface, principal};
-use tremie_messages::scene::{Motion, PartBoundary, Pose, Scene};
+use tremie_messages::scene::{Motion, PartBoundary, Scene};
 
 /// Largest thickness that is measured [cells].
 const REACH: f64 = 16.0;
@@ -60,17 +61,13 @@ struct Sample {
 /// The parts that are thinner somewhere than is looked at, by their place in the scene. Cavities
 /// have no thickness, and what lets fluid in or out no outline.
 pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
-    let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
-    let moving = ground.moving.iter().enumerate();
-    let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
-    let mut surfaces: Vec<(usize, &Surface)> = fixed.chain(moving).collect();
+    let mut surfaces: Vec<(usize, &Surface)> = ground.part_surfaces().collect();
     surfaces.sort_by_key(|(index, _)| *index);
     let placed: Vec<(usize, PlacedExtent<'_>)> = surfaces
         .into_iter()
         .map(|(index, surface)| {
-            let pose = &scene.parts[index].pose;
-            let position = surface.endless().place(pose.position).into();
-            (index, PlacedExtent { surface, frame: Frame::of(&Pose { position, ..*pose }) })
+            let frame = start_frame(&scene.parts[index], surface);
+            (index, PlacedExtent { surface, frame })
         })
         .collect();
     let each = (POINTS / placed.len().max(1)).max(100);
@@ -272,7 +269,7 @@ fn length(a: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tremie_messages::scene::{Domain, Face, FluidMaterial, Geometry, Part};
+    use tremie_messages::scene::{Domain, Face, FluidMaterial, Geometry, Part, Pose};
 
     /// A box of 40 cells of 1 m between walls, along z periodic, with parts.
     fn found(parts: Vec<Part>) -> Vec<PartExtent> {

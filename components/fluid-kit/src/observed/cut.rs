@@ -50,11 +50,8 @@ impl Cut {
         let cells = fluid.cells();
         let [fast, slow] = self.plane();
         let mut corner = fluid.centre([0; 3]);
-        let layer = ((position - lower) / cell).floor().clamp(0.0, (cells[axis] - 1) as f64);
-        let rows = (0..cells[slow]).flat_map(|k| (0..cells[fast]).map(move |j| [j, k]));
-        for (node, [j, k]) in nodes.iter_mut().zip(rows) {
-            let mut at = [layer as usize; 3];
-            (at[fast], at[slow]) = (j, k);
+        let layer = layer(cells, (axis, position), (lower, cell), [fast, slow]);
+        for (node, at) in nodes.iter_mut().zip(layer) {
             *node = fluid.node(at);
         }
         corner[axis] += ((position - corner[axis]) / cell).round() * cell;
@@ -63,4 +60,22 @@ impl Cut {
         let count = [cells[fast], cells[slow]].map(|n| n as u64);
         SliceHeader { origin: corner, step, count, ..SliceHeader::default() }
     }
+}
+
+/// Cells of the layer that holds a position on an axis [m], the axis `fast` running fastest; of
+/// positions outside the box the nearest layer. Cells of an edge begin at `lower` on the axis [m].
+pub fn layer(
+    cells: [usize; 3],
+    (axis, position): (usize, f64),
+    (lower, cell): (f64, f64),
+    [fast, slow]: [usize; 2],
+) -> impl Iterator<Item = [usize; 3]> {
+    let layer = ((position - lower) / cell).floor().clamp(0.0, (cells[axis] - 1) as f64);
+    (0..cells[slow]).flat_map(move |k| {
+        (0..cells[fast]).map(move |j| {
+            let mut at = [layer as usize; 3];
+            (at[fast], at[slow]) = (j, k);
+            at
+        })
+    })
 }

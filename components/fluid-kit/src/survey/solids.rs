@@ -44,6 +44,12 @@ struct Image {
     bounds: Bounds,
 }
 
+/// The frame of a part where it is at the start. An endless one stands in the domain.
+pub fn start_frame(part: &Part, surface: &Surface) -> Frame {
+    let position = surface.endless().place(part.pose.position).into();
+    Frame::of(&Pose { position, ..part.pose })
+}
+
 /// Images of a part's surface in a domain: at its place, and a period away where it reaches beyond
 /// a periodic face or to less than a cell from one.
 fn images(part: &Part, surface: &Surface, domain: &Domain, cell: f64) -> Vec<Image> {

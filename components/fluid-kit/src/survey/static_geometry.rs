@@ -187,11 +187,16 @@ impl StaticGeometry {
         made.unwrap_or_else(|problems| panic!("{problems:?}"))
     }
 
+    /// Surfaces of all parts, with the index of each: first those that stand still.
+    pub fn part_surfaces(&self) -> impl Iterator<Item = (usize, &Surface)> {
+        let still = self.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
+        let moving = self.moving.iter().enumerate();
+        still.chain(moving.filter_map(|(part, surface)| Some((part, surface.as_deref()?))))
+    }
+
     /// Number of triangles of all parts.
     pub fn triangles(&self) -> u64 {
-        let still = self.solids.iter().filter_map(Solid::surface);
-        let moving = self.moving.iter().flatten().map(|surface| &**surface);
-        still.chain(moving).map(|surface| surface.mesh().triangles.len() as u64).sum()
+        self.part_surfaces().map(|(_, surface)| surface.mesh().triangles.len() as u64).sum()
     }
 
     /// The centres of its cells.

@@ -7,6 +7,7 @@ use crate::lattice::populations::Real;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::moving_bodies::MovingBodies;
 use crate::solver::open_boundaries::OpenBoundaries;
+use tremie_fluid_kit::observed::cut::layer;
 
 /// A summary of the flow, SI units.
 ///
@@ -141,10 +142,7 @@ impl<T: Real> LatticeState<T> {
 
     /// Values of a cell, SI units.
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
-        self.node_at(cell.map(|k| k as i32))
-    }
-
-    fn node_at(&self, at: [i32; 3]) -> SliceNode {
+        let at = cell.map(|k| k as i32);
         let Some(cell) = self.layout.cell(at).filter(|&cell| self.flags.is_fluid(cell)) else {
             return SliceNode { solid: true, ..SliceNode::default() };
         };
@@ -171,16 +169,11 @@ impl<T: Real> LatticeState<T> {
         [fast, slow]: [usize; 2],
         out: &mut Vec<SliceNode>,
     ) -> [usize; 2] {
-        let layer = ((position - self.units.min[axis]) / self.units.cell).floor() as i32;
-        let layer = layer.clamp(0, self.layout.grid.n[axis] - 1);
+        let (cells, units) = (self.cells(), &self.units);
+        let cells_of_it =
+            layer(cells, (axis, position), (units.min[axis], units.cell), [fast, slow]);
         out.clear();
-        for k in 0..self.layout.grid.n[slow] {
-            for j in 0..self.layout.grid.n[fast] {
-                let mut at = [layer; 3];
-                (at[fast], at[slow]) = (j, k);
-                out.push(self.node_at(at));
-            }
-        }
-        [fast, slow].map(|a| self.layout.grid.n[a] as usize)
+        out.extend(cells_of_it.map(|at| self.node(at)));
+        [fast, slow].map(|a| cells[a])
     }
 }
