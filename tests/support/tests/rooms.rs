@@ -74,31 +74,39 @@ impl Source {
     }
 }
 
-/// All files in rooms of a crate.
-fn sources(of: &str) -> Vec<Source> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(of);
-    let mut folders = vec![src.clone()];
+/// All Rust files below a folder, in order.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut folders = vec![folder.to_path_buf()];
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|end| end == "rs") && folder != src {
-                let file = path.strip_prefix(&src).unwrap();
-                // Tests may import anything: their text is left out.
-                let is_tests = file.with_extension("").iter().any(|part| part == "tests");
-                let mut text = fs::read_to_string(&path).unwrap();
-                let end = text.find("#[cfg(test)]\nmod tests").unwrap_or(text.len());
-                text.truncate(if is_tests { 0 } else { end });
-                let imports = imports(&text);
-                let path = path.strip_prefix(&src).unwrap().to_path_buf();
-                found.push(Source { path, text, imports });
+            } else if path.extension().is_some_and(|end| end == "rs") {
+                found.push(path);
             }
         }
     }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found.sort();
     found
+}
+
+/// All files in rooms of a crate.
+fn sources(of: &str) -> Vec<Source> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(of);
+    let in_rooms = rust_files(&src).into_iter().filter(|path| path.parent() != Some(&src));
+    let source = |path: PathBuf| {
+        let file = path.strip_prefix(&src).unwrap().to_path_buf();
+        // Tests may import anything: their text is left out.
+        let is_tests = file.with_extension("").iter().any(|part| part == "tests");
+        let mut text = fs::read_to_string(&path).unwrap();
+        let end = text.find("#[cfg(test)]\nmod tests").unwrap_or(text.len());
+        text.truncate(if is_tests { 0 } else { end });
+        let imports = imports(&text);
+        Source { path: file, text, imports }
+    };
+    in_rooms.map(source).collect()
 }
 
 /// Items that a text names as `crate::room::file`.
@@ -301,22 +309,14 @@ fn function(line: &str) -> Option<(usize, &str)> {
 /// All sources of the workspace, with the path from its root.
 fn all_sources() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut folders: Vec<_> = ["interfaces", "components", "orchestrator", "tests", "examples"]
-        .map(|name| root.join(name))
-        .into();
-    let mut found = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|end| end == "rs") {
-                let text = fs::read_to_string(&path).unwrap();
-                found.push((path.strip_prefix(&root).unwrap().display().to_string(), text));
-            }
-        }
-    }
-    found
+    let folders = ["interfaces", "components", "orchestrator", "tests", "examples"];
+    let files = folders.iter().flat_map(|folder| rust_files(&root.join(folder)));
+    files
+        .map(|path| {
+            let text = fs::read_to_string(&path).unwrap();
+            (path.strip_prefix(&root).unwrap().display().to_string(), text)
+        })
+        .collect()
 }
 
 #[test]
