@@ -8,7 +8,7 @@ pub fn text(scene: &Scene) -> String {
     let mut text = String::from(
         "Open the .pvd files in ParaView: each is a series of the files beside it.\n\
          World frame, SI units; _NNNNNN in a name is the coupling window.\n\n\
-         lattice  velocity [m/s], pressure [Pa] (gauge, without its hydrostatic part), solid (1 in a solid)\n\
+         lattice  velocity [m/s], pressure [Pa] (gauge, without its hydrostatic part), fill (share of fluid), solid (1 in a solid)\n\
          bodies   id, set, motion (0 free, 1 fixed, 2 prescribed, 3 slider), radius [m], mass [kg], velocity [m/s],\n         \
          angular_velocity [rad/s], orientation (unit quaternion x, y, z, w from body to world)\n         \
          Spheres: filter Glyph, glyph type Sphere, scale array radius, scale factor 2.\n\

@@ -26,6 +26,7 @@
 //! | --- | --- | --- | --- | --- |
 //! | lattice | `velocity` | 3 Float32 | m/s | fluid velocity; zero in solids |
 //! | | `pressure` | Float32 | Pa | gauge pressure without its hydrostatic part; zero in solids |
+//! | | `fill` | Float32 | | share that the fluid fills: at a free surface a half, in a solid 0 |
 //! | | `solid` | UInt8 | | 1 in a solid, else 0 |
 //! | bodies | points | 3 Float64 | m | centres |
 //! | | `id` | UInt64 | | id of the body |

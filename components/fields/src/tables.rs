@@ -27,6 +27,7 @@ pub fn lattice(
     document.begin("PointData", "Vectors=\"velocity\" Scalars=\"pressure\"");
     document.array("velocity", 3, "m/s", nodes.iter().flat_map(|node| node.velocity));
     document.array("pressure", 1, "Pa", nodes.iter().map(|node| node.pressure));
+    document.array("fill", 1, "", nodes.iter().map(|node| node.fill));
     document.array("solid", 1, "", nodes.iter().map(|node| u8::from(node.solid != 0)));
     document
 }

@@ -55,6 +55,7 @@ fn nodes(window: u64) -> Vec<SliceNode> {
         SliceNode {
             velocity: [x, -x, 0.5 * x],
             pressure: 1e-6 * x,
+            fill: 0.5 * (k % 3) as f32,
             solid: u32::from(k.is_multiple_of(5)),
         }
     };
@@ -131,6 +132,8 @@ fn a_lattice_comes_back() {
         assert_eq!(file.array::<f32>("velocity"), (3, velocity));
         let pressure = sent.iter().map(|node| node.pressure).collect();
         assert_eq!(file.array::<f32>("pressure"), (1, pressure));
+        let fill = sent.iter().map(|node| node.fill).collect();
+        assert_eq!(file.array::<f32>("fill"), (1, fill));
         let solid = sent.iter().map(|node| node.solid as u8).collect();
         assert_eq!(file.array::<u8>("solid"), (1, solid));
     }

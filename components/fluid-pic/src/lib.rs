@@ -15,26 +15,20 @@
 //!
 //! // A box of 1 m, half full, and a light disc under water.
 //! let grid = StaggeredGrid::new([20, 20], 0.05, [0.0; 2], [false; 2]);
-//! let mut solver = PicSolver::new(grid, PicSettings::water([0.0, -9.81]), 1, |_, _| false)?;
-//! let disc = RigidBody {
-//!     centre: [0.5, 0.25],
-//!     radius: 0.15,
-//!     velocity: [0.0; 2],
-//!     mass: Some(7.0),
-//!     force: [0.0; 2],
-//! };
-//! let is_wet = |x: [f64; 2]| x[1] < 0.5 && (x[0] - 0.5).hypot(x[1] - 0.25) > disc.radius;
+//! let settings = PicSettings::water([0.0, -9.81]);
+//! let mut solver = PicSolver::new(grid, settings, 1, |_, _| false, Vec::new())?;
+//! let disc = RigidBody::ball([0.5, 0.25], 0.15).with_mass(7.0);
+//! let is_wet = |x: [f64; 2]| x[1] < 0.5 && !disc.holds(x);
 //! seed(&solver.grid, &mut solver.particles, 2, 0.5, 1, is_wet, |_| [0.0; 2]);
-//! let mut forces = Vec::new();
-//! let outcome = solver.step(1e-3, &[disc], &mut forces);
+//! let mut loads = Vec::new();
+//! let outcome = solver.step(1e-3, &[disc], &mut loads);
 //! assert!(outcome.converged);
 //! // It rises: the fluid lifts it by more than its weight.
-//! assert!(forces[0][1] > 7.0 * 9.81);
+//! assert!(loads[0][1] > 7.0 * 9.81);
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! Surface tension is left out, and so is air. The fluid has no viscosity yet, and walls do not
-//! hold it back.
+//! Surface tension is left out, and so is air.
 //!
 //! # Same bits
 //!
@@ -42,17 +36,34 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+mod domain;
+mod fluid;
 mod grid;
 mod particles;
 mod pressure;
+mod report;
 mod solids;
 mod solver;
 mod surface;
 
+#[cfg(feature = "component")]
+pub use fluid::component;
+
+pub use domain::parameters::{ContactForces, Parameters, SurfaceName, TransferName, WallName};
+pub use fluid::error::FluidError;
+pub use fluid::pic_fluid::{FluidState, PicFluid};
 pub use grid::staggered_grid::StaggeredGrid;
 pub use particles::particle_arrays::{ParticleArrays, Transfer};
 pub use particles::seeding::seed;
+pub use pressure::body_coupling::Wrench;
 pub use pressure::conjugate_gradients::{PressureOutcome, Tolerance};
-pub use solids::rigid_body::RigidBody;
+pub use report::findings::{findings, limits};
+pub use report::resolution::Resolution;
+pub use solids::half_spaces::HalfSpaces;
+pub use solids::rigid_body::{BodyShape, Freedom, RigidBody};
+pub use solids::section::Section;
+pub use solids::surface_solid::SurfaceSolid;
 pub use solver::free_surface::SurfaceOrder;
-pub use solver::pic_solver::{PicSettings, PicSolver};
+pub use solver::loads::FluidSums;
+pub use solver::pic_settings::{BoxWall, PicSettings};
+pub use solver::pic_solver::PicSolver;

@@ -11,7 +11,7 @@ const BODY: usize = 144 + 4;
 /// Bytes of a vertex of a surface: its sample.
 const VERTEX: usize = 56;
 /// Bytes of a node: its position, the node itself, and its speed.
-const NODE: usize = 12 + 20 + 4;
+const NODE: usize = 12 + 24 + 4;
 
 const BODY_FIELDS: [(&str, u32, NumericType); 22] = {
     use NumericType::{Float32, Float64, Uint32};
@@ -54,18 +54,19 @@ const VERTEX_FIELDS: [(&str, u32, NumericType); 7] = {
     ]
 };
 
-const NODE_FIELDS: [(&str, u32, NumericType); 9] = {
+const NODE_FIELDS: [(&str, u32, NumericType); 10] = {
     use NumericType::{Float32, Uint32};
     [
         ("x", 0, Float32),
         ("y", 4, Float32),
         ("z", 8, Float32),
-        ("speed", 32, Float32),
+        ("speed", 36, Float32),
         ("vx", 12, Float32),
         ("vy", 16, Float32),
         ("vz", 20, Float32),
         ("pressure", 24, Float32),
-        ("solid", 28, Uint32),
+        ("fill", 28, Float32),
+        ("solid", 32, Uint32),
     ]
 };
 
@@ -177,6 +178,7 @@ pub fn encode_nodes(nanoseconds: u64, header: &SliceHeader, nodes: &[SliceNode])
         for x in [at(0), at(1), at(2), u, v, w, node.pressure] {
             data.extend(x.to_le_bytes());
         }
+        data.extend(node.fill.to_le_bytes());
         data.extend(node.solid.to_le_bytes());
         data.extend((norm(node.velocity.map(f64::from)) as f32).to_le_bytes());
     }
@@ -193,7 +195,8 @@ fn node(bytes: &[u8]) -> SliceNode {
     SliceNode {
         velocity: [f(3), f(4), f(5)],
         pressure: f(6),
-        solid: u32::from_le_bytes(take(bytes, 28)),
+        fill: f(7),
+        solid: u32::from_le_bytes(take(bytes, 32)),
     }
 }
 

@@ -87,6 +87,7 @@ fn slice(window: u64, count: [u64; 2]) -> Item {
     let node = |k| SliceNode {
         velocity: std::array::from_fn(|_| x() as f32),
         pressure: x() as f32,
+        fill: 0.25 * (k % 4) as f32,
         solid: u32::from(k % 5 == 0),
     };
     let nodes = (0..count[0] * count[1]).map(node).collect();

@@ -1,6 +1,6 @@
 //! A cut through the fluid: a mesh coloured by speed, and arrows on some of its nodes.
 
-use crate::scale::{GREY, Scale, speed};
+use crate::scale::{AIR, GREY, Scale, speed};
 use crate::view::{Eye, facing, part, single, unit};
 use rerun::components::Radius;
 use rerun::{Arrows3D, Color, Mesh3D, RecordingStream, RecordingStreamResult};
@@ -146,7 +146,11 @@ impl Cut {
         scale: &Scale,
     ) -> RecordingStreamResult<()> {
         let colour = |node: &SliceNode| {
-            Color::from_u32(if node.solid != 0 { GREY } else { scale.colour(speed(node.velocity)) })
+            Color::from_u32(match node {
+                node if node.solid != 0 => GREY,
+                node if node.is_air() => AIR,
+                node => scale.colour(speed(node.velocity)),
+            })
         };
         let mesh = Mesh3D::update_fields().with_vertex_colors(nodes.iter().map(colour));
         stream.log(self.path.as_str(), &mesh)?;
@@ -155,7 +159,7 @@ impl Cut {
         }
         let stretch = (self.reach / scale.max()) as f32;
         let vectors = self.arrows.iter().map(|k| match nodes.get(*k) {
-            Some(node) if node.solid == 0 => arrow(node.velocity, stretch, self.reach as f32),
+            Some(node) if node.is_fluid() => arrow(node.velocity, stretch, self.reach as f32),
             _ => [0.0; 3],
         });
         stream.log(self.arrow_path(), &Arrows3D::update_fields().with_vectors(vectors))
@@ -181,7 +185,7 @@ fn arrow(velocity: [f32; 3], stretch: f32, reach: f32) -> [f32; 3] {
 
 /// Speeds in the fluid [m/s].
 pub fn speeds(nodes: &[SliceNode]) -> Vec<f32> {
-    nodes.iter().filter(|node| node.solid == 0).map(|node| speed(node.velocity)).collect()
+    nodes.iter().filter(|node| node.is_fluid()).map(|node| speed(node.velocity)).collect()
 }
 
 #[cfg(test)]

@@ -60,11 +60,30 @@ impl<'a> Field<'a> {
     }
 
     /// Linear between the fluid nodes around `point`, constant over the last half step at the ends.
-    /// `None` beyond that, and where the nearest node is solid.
+    /// `None` beyond that, and where the nearest node is solid or air.
     ///
-    /// Solid nodes around have no say: a body may move, and what a solid node says of velocity
-    /// means nothing.
+    /// Other nodes around have no say: a body may move, and what a solid node says of velocity means
+    /// nothing.
     pub fn at(&self, point: Vec3) -> Option<Sample> {
+        let (low, part) = self.place(point)?;
+        if !self.nearest(low, part).is_fluid() {
+            return None;
+        }
+        Some(self.mix(low, part))
+    }
+
+    /// True if a point is in the field, and neither in the fluid nor in a solid.
+    pub fn is_air(&self, point: Vec3) -> bool {
+        self.place(point).is_some_and(|(low, part)| self.nearest(low, part).is_air())
+    }
+
+    fn nearest(&self, low: [usize; 3], part: [f64; 3]) -> &SliceNode {
+        &self.nodes[self.index(std::array::from_fn(|a| low[a] + usize::from(part[a] > 0.5)))]
+    }
+
+    /// The node below a point along each axis, and the point's part of the way to the next; `None`
+    /// beyond half a step from the outermost nodes.
+    fn place(&self, point: Vec3) -> Option<([usize; 3], [f64; 3])> {
         let mut low = [0; 3];
         let mut part = [0.0; 3];
         for a in 0..3 {
@@ -78,11 +97,7 @@ impl<'a> Field<'a> {
             low[a] = (place as usize).min(self.count[a].saturating_sub(2));
             part[a] = place - low[a] as f64;
         }
-        let nearest = std::array::from_fn(|a| low[a] + usize::from(part[a] > 0.5));
-        if self.nodes[self.index(nearest)].solid != 0 {
-            return None;
-        }
-        Some(self.mix(low, part))
+        Some((low, part))
     }
 
     fn mix(&self, low: [usize; 3], part: [f64; 3]) -> Sample {
@@ -96,7 +111,7 @@ impl<'a> Field<'a> {
                 continue;
             }
             let node = &self.nodes[self.index(std::array::from_fn(|a| low[a] + upper(a)))];
-            if node.solid == 0 {
+            if node.is_fluid() {
                 whole += weight;
                 sum.velocity += Vec3::from(node.velocity.map(f64::from)) * weight;
                 sum.pressure += weight * f64::from(node.pressure);
@@ -132,6 +147,7 @@ pub(crate) mod tests {
         let (header, nodes) = volume([4, 5, 6], |p| SliceNode {
             velocity: crate::view::single(linear(p)),
             pressure: p[2] as f32,
+            fill: 1.0,
             solid: 0,
         });
         let field = Field::new(&header, &nodes).unwrap();
@@ -153,6 +169,7 @@ pub(crate) mod tests {
         let (header, nodes) = volume([3, 3, 1], |p| SliceNode {
             velocity: [1.0, 0.0, 0.0],
             pressure: 0.0,
+            fill: 1.0,
             solid: u32::from(p[0] > 1.0 && p[0] < 2.0),
         });
         let field = Field::new(&header, &nodes).unwrap();

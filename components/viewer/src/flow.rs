@@ -8,7 +8,7 @@ use crate::scale::Scale;
 use crate::streamlines::Streamlines;
 use rerun::{RecordingStream, RecordingStreamResult};
 use tremie_messages::frame::{SliceHeader, SliceNode};
-use tremie_messages::scene::Domain;
+use tremie_messages::scene::{Domain, Scene};
 
 /// The pictures of one volume.
 pub struct Flow {
@@ -24,18 +24,20 @@ fn patch(domain: &Domain, plane: &PlaneSetting) -> Option<Patch> {
 
 impl Flow {
     /// Drawings of the volume `name` of `from` that the parameters ask for.
-    pub fn new(from: &str, name: &str, domain: &Domain, parameters: &Parameters) -> Self {
+    pub fn new(from: &str, name: &str, scene: &Scene, parameters: &Parameters) -> Self {
+        let domain = &scene.domain;
         let planes = parameters.slices.iter().filter(|_| parameters.cuts);
         let named = planes.enumerate().map(|(k, plane)| (format!("plane {}", k + 1), plane));
         let seeds = parameters.seeds.as_ref().and_then(|plane| patch(domain, plane));
-        let count = parameters.streamlines;
+        let count = parameters.streamlines_in(scene);
         let speed = parameters.iso_speed.map(|speed| Level::Speed(speed.0));
         let pressure = parameters.iso_pressure.map(|pressure| Level::Pressure(pressure.0));
+        let free = parameters.draws_free_surface(scene).then_some(Level::FreeSurface);
         Self {
             patches: named.filter_map(|(k, plane)| Some((k, patch(domain, plane)?))).collect(),
             streamlines: (count > 0)
                 .then(|| Streamlines::new(from, name, domain, seeds.as_ref(), count)),
-            surfaces: (speed.into_iter().chain(pressure))
+            surfaces: (speed.into_iter().chain(pressure).chain(free))
                 .map(|level| Isosurface::new(from, name, level))
                 .collect(),
         }

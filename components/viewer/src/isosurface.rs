@@ -12,6 +12,8 @@ use tremie_messages::frame::SliceNode;
 
 /// Colour of surfaces of equal pressure.
 const PRESSURE: u32 = rgba([225, 160, 90]);
+/// Colour of the free surface.
+const WATER: u32 = rgba([70, 140, 200]);
 /// Opacity of a surface, of 255.
 const ALPHA: u8 = 140;
 
@@ -22,6 +24,8 @@ pub enum Level {
     Speed(f64),
     /// Gauge pressure [Pa].
     Pressure(f64),
+    /// The free surface: where the fluid fills half of what is around.
+    FreeSurface,
 }
 
 impl Level {
@@ -30,12 +34,15 @@ impl Level {
         match self {
             Self::Speed(_) => "speed",
             Self::Pressure(_) => "pressure",
+            Self::FreeSurface => "free-surface",
         }
     }
 
-    /// Distance of a node below the level.
+    /// Distance of a node below the level. Air is outside.
     fn below(self, node: &SliceNode) -> f32 {
         match self {
+            Self::FreeSurface => 0.5 - node.fill,
+            _ if node.is_air() => f32::MAX,
             Self::Speed(level) => (level - f64::from(speed(node.velocity))) as f32,
             Self::Pressure(level) => (level - f64::from(node.pressure)) as f32,
         }
@@ -78,6 +85,7 @@ impl Isosurface {
         let colour = match self.level {
             Level::Speed(level) => scale.colour(level as f32),
             Level::Pressure(_) => PRESSURE,
+            Level::FreeSurface => WATER,
         };
         let [r, g, b, _] = colour.to_be_bytes();
         let normals = self.found.normals.iter().map(|n| {
@@ -157,6 +165,7 @@ mod tests {
         SliceNode {
             velocity: [(10.0 - r).max(0.0) as f32, 0.0, 0.0],
             pressure: -r as f32,
+            fill: 1.0,
             solid: 0,
         }
     }
@@ -184,7 +193,7 @@ mod tests {
         let (header, nodes) = volume([20; 3], |p| {
             let solid = p.add_scalar(-10.0).norm() < 2.5;
             let velocity = if solid { [0.0; 3] } else { [5.0, 0.0, 0.0] };
-            SliceNode { velocity, pressure: 0.0, solid: solid.into() }
+            SliceNode { velocity, pressure: 0.0, fill: 1.0, solid: solid.into() }
         });
         let field = Field::new(&header, &nodes).unwrap();
         let mut surface = Isosurface::new("fluid", "lattice", Level::Speed(4.0));

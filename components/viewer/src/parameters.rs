@@ -5,8 +5,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use tremie_messages::Problem;
+use tremie_messages::scene::Scene;
 use tremie_messages::start::{VolumeWish, Watches};
 use tremie_messages::units::{Length, Pressure, Velocity};
+
+/// Streamlines where nothing else is said.
+const STREAMLINES: u32 = 120;
+
+fn has_free_surface(scene: &Scene) -> bool {
+    scene.fluid.as_ref().is_some_and(|fluid| !fluid.fill.is_empty())
+}
 
 /// Where the run is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -59,14 +67,17 @@ pub struct Parameters {
     pub arrows: u32,
     /// Planes along which to cut the flow, instead of the fluid's own cut.
     pub slices: Vec<PlaneSetting>,
-    /// Number of streamlines; 0 for none.
-    pub streamlines: u32,
+    /// Number of streamlines; 0 for none (default: 120, but none where the fluid has a free
+    /// surface).
+    pub streamlines: Option<u32>,
     /// Plane on which streamlines begin; all over the fluid, if there is none.
     pub seeds: Option<PlaneSetting>,
     /// Draws the surface where the fluid has this speed.
     pub iso_speed: Option<Velocity>,
     /// Draws the surface where the fluid has this gauge pressure.
     pub iso_pressure: Option<Pressure>,
+    /// Whether to draw the free surface of a fluid that has one.
+    pub free_surface: bool,
     /// Most nodes of the fluid that streamlines, slices and surfaces are made from; a finer lattice
     /// is thinned.
     pub volume_nodes: u64,
@@ -86,10 +97,11 @@ impl Default for Parameters {
             cuts: true,
             arrows: 400,
             slices: Vec::new(),
-            streamlines: 120,
+            streamlines: None,
             seeds: None,
             iso_speed: None,
             iso_pressure: None,
+            free_surface: true,
             volume_nodes: 200_000,
         }
     }
@@ -137,9 +149,21 @@ impl Parameters {
         if problems.is_empty() { Ok(()) } else { Err(problems) }
     }
 
+    /// Number of streamlines in a scene.
+    pub(crate) fn streamlines_in(&self, scene: &Scene) -> u32 {
+        let usual = if has_free_surface(scene) { 0 } else { STREAMLINES };
+        self.streamlines.unwrap_or(usual)
+    }
+
+    /// True if the fluid of a scene has a free surface, and it is drawn.
+    pub(crate) fn draws_free_surface(&self, scene: &Scene) -> bool {
+        self.free_surface && has_free_surface(scene)
+    }
+
     /// Frames that the viewer needs for its drawings.
-    pub(crate) fn watches(&self) -> Watches {
-        let volumes = self.streamlines > 0
+    pub(crate) fn watches(&self, scene: &Scene) -> Watches {
+        let volumes = self.streamlines_in(scene) > 0
+            || self.draws_free_surface(scene)
             || !self.slices.is_empty()
             || self.iso_speed.is_some()
             || self.iso_pressure.is_some();
@@ -168,6 +192,7 @@ impl Parameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tremie_messages::scene::{Domain, Face};
 
     #[test]
     fn amounts_and_shares_of_memory_are_read() {
@@ -188,8 +213,10 @@ mod tests {
 
     #[test]
     fn only_what_is_drawn_is_asked_for() {
-        let of = |text: &str| serde_json::from_str::<Parameters>(text).unwrap().watches();
-        let usual = Parameters::default().watches();
+        let box_of = |size: f64| Domain::new([0.0; 3], [size; 3], Face::WALLS);
+        let scene = Scene::empty(box_of(1.0));
+        let of = |text: &str| serde_json::from_str::<Parameters>(text).unwrap().watches(&scene);
+        let usual = Parameters::default().watches(&scene);
         assert!(usual.slices && usual.volumes.is_some());
         assert!(of(r#"{"streamlines": 0}"#).volumes.is_none());
         assert!(!of(r#"{"cuts": false}"#).slices);

@@ -76,7 +76,8 @@ impl Patch {
         self.origin + self.sides[0] * r + self.sides[1] * s
     }
 
-    /// A field on the patch, with nodes as far apart as the field's. What is not fluid is solid.
+    /// A field on the patch, with nodes as far apart as the field's. What is neither fluid nor air
+    /// is solid.
     pub fn sample(&self, field: &Field<'_>) -> (SliceHeader, Vec<SliceNode>) {
         let steps = self.sides.map(|side| (side.norm() / field.spacing()).ceil().max(1.0));
         let step = [0, 1].map(|k| self.sides[k] / steps[k]);
@@ -87,8 +88,10 @@ impl Patch {
                 Some(sample) => SliceNode {
                     velocity: single(sample.velocity),
                     pressure: sample.pressure as f32,
-                    solid: 0,
+                    fill: 1.0,
+            solid: 0,
                 },
+                None if field.is_air(point) => SliceNode::default(),
                 None => SliceNode { solid: 1, ..SliceNode::default() },
             }
         };
@@ -139,6 +142,7 @@ mod tests {
         let (header, nodes) = volume([4, 2, 3], |p| SliceNode {
             velocity: [p[0] as f32, 0.0, 0.0],
             pressure: p[2] as f32,
+            fill: 1.0,
             solid: 0,
         });
         let field = Field::new(&header, &nodes).unwrap();

@@ -22,7 +22,7 @@ use tremie_geometry::Vec3;
 use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
 };
-use tremie_messages::scene::Domain;
+use tremie_messages::scene::Scene;
 use tremie_messages::start::{Description, FrameContent, Signal};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
@@ -48,7 +48,7 @@ pub struct Viewer {
     strain: Scale,
     overview: Eye,
     up: Vec3,
-    domain: Domain,
+    scene: Scene,
     bodies: Bodies,
     solids: Solids,
     parts: Parts,
@@ -150,7 +150,7 @@ impl Viewer {
         let (from, name) = key;
         let (arrows, eye) = (self.parameters.arrows, self.overview.position);
         let cut =
-            drawn(Cut::open(self.recording(), from, name, header, arrows, eye, &self.domain))?;
+            drawn(Cut::open(self.recording(), from, name, header, arrows, eye, &self.scene.domain))?;
         if self.cuts.insert(key.clone(), cut).is_none() {
             self.send_layout()?;
         }
@@ -168,7 +168,7 @@ impl Observer for Viewer {
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
-            watches: parameters.watches(),
+            watches: parameters.watches(&setup.hello.scene),
             ..Description::default()
         })
     }
@@ -201,14 +201,14 @@ impl Observer for Viewer {
             strain: Scale::new(Map::Plasma, parameters.max_strain, None),
             overview: overview(scene),
             up: up_vector(scene),
-            domain: scene.domain.clone(),
+            scene: scene.clone(),
             bodies: Bodies::new(scene),
             solids: Solids::new(scene),
             parts,
             rubber,
             cuts: BTreeMap::new(),
             flows: BTreeMap::new(),
-            streamlines: parameters.streamlines > 0
+            streamlines: parameters.streamlines_in(scene) > 0
                 && frames.iter().any(|stream| matches!(stream.content, FrameContent::Volume(_))),
             end: setup.assignment.as_ref().map(|a| a.clock.window() * a.windows as f64),
             now: 0.0,
@@ -275,7 +275,7 @@ impl Observer for Viewer {
         let Some(field) = Field::new(header, nodes) else { return Ok(()) };
         self.set_time(at);
         let key = (from.to_string(), name.to_string());
-        let make = || Flow::new(from, name, &self.domain, &self.parameters);
+        let make = || Flow::new(from, name, &self.scene, &self.parameters);
         let flow = self.flows.entry(key).or_insert_with(make);
         let cuts = flow.cuts(&field);
         for (plane, header, nodes) in cuts {

@@ -152,6 +152,7 @@ fn slice(count: [u64; 2], t: f64) -> (SliceHeader, Vec<SliceNode>) {
         SliceNode {
             velocity: flow(x, z, t).map(|v| v as f32),
             pressure: 0.0,
+            fill: 1.0 - f32::from(u8::from(solid)),
             solid: u32::from(solid),
         }
     };
@@ -270,6 +271,7 @@ fn volume(t: f64) -> (VolumeHeader, Vec<SliceNode>) {
         SliceNode {
             velocity: flow(p[0], p[2], t).map(|v| v as f32),
             pressure: p[0] as f32,
+            fill: 1.0,
             solid: u32::from((p[0] - 0.023).hypot(p[2] - 0.006) < 0.002),
         }
     };

@@ -77,10 +77,25 @@ pub struct VolumeHeader {
 pub struct SliceNode {
     /// Fluid velocity; of no meaning where the node is solid, and zero or the solid's there [m/s].
     pub velocity: [f32; 3],
-    /// Pressure relative to the fluid at rest, without its hydrostatic part [Pa].
+    /// Gauge pressure [Pa]: of a fluid that fills its space without its hydrostatic part.
     pub pressure: f32,
+    /// Share of the node's surroundings that the fluid fills, from 0 to 1: at a free surface a
+    /// half, in a solid 0.
+    pub fill: f32,
     /// 1 where the node lies in a solid, else 0.
     pub solid: u32,
+}
+
+impl SliceNode {
+    /// True if the node lies in the fluid: in no solid, and below the free surface.
+    pub fn is_fluid(&self) -> bool {
+        self.solid == 0 && self.fill >= 0.5
+    }
+
+    /// True if neither fluid nor solid is there.
+    pub fn is_air(&self) -> bool {
+        self.solid == 0 && self.fill < 0.5
+    }
 }
 
 /// A line of the run's log, the text as payload in UTF-8.
@@ -118,9 +133,9 @@ unsafe impl Message for SliceHeader {
 unsafe impl Message for VolumeHeader {
     const TYPE_NAME: &'static str = "tremie.VolumeHeader.1";
 }
-// SAFETY: five words of 4 bytes, no padding.
+// SAFETY: six words of 4 bytes, no padding.
 unsafe impl Message for SliceNode {
-    const TYPE_NAME: &'static str = "tremie.SliceNode.1";
+    const TYPE_NAME: &'static str = "tremie.SliceNode.2";
 }
 // SAFETY: 40 bytes and a word, no padding.
 unsafe impl Message for LogHeader {

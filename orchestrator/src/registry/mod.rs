@@ -51,6 +51,14 @@ pub const BUILT_IN: &[BuiltIn] = &[
         benchmarks: tremie_fluid_lbm::benchmarks,
     },
     BuiltIn {
+        name: "fluid-pic",
+        role: Role::Fluid,
+        about: "particle in cell: free surface, cut cells, bodies in the pressure's solution",
+        settings: SchemaGenerator::subschema_for::<tremie_fluid_pic::Parameters>,
+        run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_pic::component::PicComponent>>,
+        benchmarks: no_benchmarks,
+    },
+    BuiltIn {
         name: "grains-dem",
         role: Role::Grains,
         about: "discrete elements: spheres, walls and parts, friction",

@@ -59,6 +59,7 @@ impl ObservedCells for LbmFluid {
         frame::SliceNode {
             velocity: node.velocity.map(|v| v as f32),
             pressure: node.pressure as f32,
+            fill: if node.solid { 0.0 } else { 1.0 },
             solid: u32::from(node.solid),
         }
     }

@@ -41,6 +41,15 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(key, format!("must be finite, found {vector:?}")));
         }
     }
+    if !fluid.fill.is_empty() {
+        problems.push(
+            Problem::new(
+                "scene.fluid.fill[0]",
+                "the lattice-Boltzmann fluid fills all its space: it has no free surface",
+            )
+            .help("leave the regions out, or take a fluid with a surface: fluid = \"fluid-pic\""),
+        );
+    }
     check_domain(&scene.domain, problems);
     check_open(scene, problems);
     check_reservoirs(scene, problems);

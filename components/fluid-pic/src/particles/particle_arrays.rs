@@ -59,6 +59,24 @@ impl<const D: usize> ParticleArrays<D> {
         }
     }
 
+    /// Keeps the particles whose position `is_kept`, in their order.
+    pub fn retain(&mut self, mut is_kept: impl FnMut([f64; D]) -> bool) {
+        let mut kept = 0;
+        for particle in 0..self.len() {
+            if is_kept(self.at(particle)) {
+                let arrays = self.position.iter_mut().chain(&mut self.velocity);
+                let arrays = arrays.chain(self.gradient.iter_mut().flatten());
+                for array in arrays.filter(|array| !array.is_empty()) {
+                    array[kept] = array[particle];
+                }
+                kept += 1;
+            }
+        }
+        let arrays = self.position.iter_mut().chain(&mut self.velocity);
+        let arrays = arrays.chain(self.gradient.iter_mut().flatten());
+        arrays.for_each(|array| array.truncate(kept));
+    }
+
     /// Momentum of all particles [kg m/s].
     pub fn momentum(&self) -> [f64; D] {
         std::array::from_fn(|a| self.mass * self.velocity[a].iter().sum::<f64>())

@@ -48,6 +48,17 @@ impl BodyCoupling {
         self.displaced.clear();
     }
 
+    /// Removes all bodies from number `bodies` on.
+    pub fn truncate(&mut self, bodies: usize) {
+        self.first.truncate(bodies + 1);
+        let entries = self.first.last().map_or(0, |&entry| entry as usize);
+        self.cells.truncate(entries);
+        self.wrenches.truncate(entries);
+        self.mobility.truncate(bodies);
+        self.volume.truncate(bodies);
+        self.displaced.truncate(bodies);
+    }
+
     /// Ends the entries of a body of a volume in cells.
     pub fn close_body(&mut self, mobility: [[f64; 6]; 6], volume: f64) {
         self.first.push(self.cells.len() as u32);

@@ -4,97 +4,72 @@
 //! 1  particles to grid          u^n
 //! 2  surface                    depth of each cell
 //! 3  open fractions             bodies where they are
-//! 4  forces                     u* = u^n + dt g
+//! 4  forces, viscosity          u* = u^n + dt (g + nu lap u*)
 //! 5  pressure and bodies        (A + J^T S J) q = - div u* - J^T U*
 //! 6  projection                 u = u* - grad q,  extrapolated beyond the fluid
 //! 7  grid to particles          FLIP and PIC, or APIC
 //! 8  advection                  particles move
 //! ```
+//!
+//! [`PicSolver::find_loads`] goes as far as 6, with the bodies where a step begins: then the loads
+//! on them are known. [`PicSolver::move_particles`] does the rest, with the bodies where it ends.
 
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::cell_order::{CellOrder, cell_of};
 use crate::particles::from_grid::{FaceVelocity, advect, take_velocities};
-use crate::particles::particle_arrays::{ParticleArrays, Transfer};
+use crate::particles::particle_arrays::ParticleArrays;
 use crate::particles::to_grid::{to_cells, to_faces};
-use crate::pressure::body_coupling::{BodyCoupling, Wrench};
-use crate::pressure::conjugate_gradients::{ConjugateGradients, PressureOutcome, Tolerance};
+use crate::pressure::body_coupling::Wrench;
+use crate::pressure::conjugate_gradients::{ConjugateGradients, PressureOutcome};
 use crate::pressure::multigrid::Multigrid;
 use crate::pressure::stencil::Stencil;
-use crate::solids::open_fractions::{MARGIN, OpenFractions};
+use crate::solids::open_fractions::{MARGIN, NONE, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{FaceState, extrapolate};
-use crate::solver::free_surface::SurfaceOrder;
+use crate::solver::pic_settings::{BoxWall, PicSettings};
+use crate::solver::viscosity::{Viscosity, ViscousStep};
 use crate::surface::fill_level::{depth, room};
 use tremie_team::{Team, Variant};
 
 /// Layers of faces beyond the fluid that have a velocity.
 const LAYERS: usize = 3;
 
-/// Settings of the solver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PicSettings<const D: usize> {
-    /// Density of the fluid [kg/m³].
-    pub density: f64,
-    /// Acceleration of gravity [m/s²].
-    pub gravity: [f64; D],
-    /// Transfer between particles and grid.
-    pub transfer: Transfer,
-    /// Order of the free surface.
-    pub surface: SurfaceOrder,
-    /// End of the pressure's iteration.
-    pub tolerance: Tolerance,
-    /// Particles along each axis of a cell at the start.
-    pub particles_per_axis: usize,
-}
-
-impl<const D: usize> PicSettings<D> {
-    /// Water, by FLIP with a share of 0.01 of PIC, with a surface of second order.
-    pub fn water(gravity: [f64; D]) -> Self {
-        Self {
-            density: 1000.0,
-            gravity,
-            transfer: Transfer::Blend { pic: 0.01 },
-            surface: SurfaceOrder::Second,
-            tolerance: Tolerance { relative: 1e-8, absolute: 1e-12, iterations: 100 },
-            particles_per_axis: 2,
-        }
-    }
-}
-
 /// A fluid with a free surface, and bodies in it.
 pub struct PicSolver<const D: usize> {
     /// The grid.
     pub grid: StaggeredGrid<D>,
-    settings: PicSettings<D>,
-    team: Team,
+    pub(super) settings: PicSettings<D>,
+    pub(super) team: Team,
     variant: Variant,
     /// The particles.
     pub particles: ParticleArrays<D>,
     order: CellOrder,
-    fractions: OpenFractions<D>,
-    coupling: BodyCoupling,
-    before: FaceVelocity<D>,
-    velocity: FaceVelocity<D>,
+    pub(super) fractions: OpenFractions<D>,
+    pub(super) before: FaceVelocity<D>,
+    pub(super) velocity: FaceVelocity<D>,
     face_mass: Vec<f64>,
-    state: [Vec<FaceState>; D],
+    /// Faces that particles reach.
+    is_carried: [Vec<bool>; D],
+    pub(super) state: [Vec<FaceState>; D],
     found: Vec<(u32, f64)>,
-    cell_mass: Vec<f64>,
-    room: Vec<f64>,
+    pub(super) cell_mass: Vec<f64>,
+    pub(super) room: Vec<f64>,
     work: Vec<f64>,
-    depth: Vec<f64>,
-    stencil: Stencil<f64, D>,
-    right: Vec<f64>,
-    q: Vec<f64>,
+    pub(super) depth: Vec<f64>,
+    pub(super) viscosity: Viscosity<D>,
+    pub(super) stencil: Stencil<f64, D>,
+    pub(super) right: Vec<f64>,
+    pub(super) q: Vec<f64>,
     multigrid: Multigrid<D>,
     iteration: ConjugateGradients,
     has_surface: bool,
-    /// Lift of each free body beyond that of the faces that it covers [N].
-    lift: Vec<[f64; D]>,
+    /// Lift of each free body, then of each held one, beyond that of the faces that it covers [N].
+    pub(super) lift: Vec<[f64; D]>,
 }
 
 impl<const D: usize> PicSolver<D> {
     /// Without any particles. `is_open` says which faces (axis, side) of the box fluid may leave
-    /// through.
+    /// through; `at_rest` are the solids that never move.
     ///
     /// # Errors
     /// If the system gives no more threads.
@@ -103,6 +78,7 @@ impl<const D: usize> PicSolver<D> {
         settings: PicSettings<D>,
         threads: usize,
         is_open: impl Fn(usize, usize) -> bool,
+        at_rest: Vec<RigidBody<D>>,
     ) -> std::io::Result<Self> {
         let zeros = || vec![0.0; grid.stored];
         let per_cell = settings.particles_per_axis.pow(D as u32) as f64;
@@ -112,17 +88,18 @@ impl<const D: usize> PicSolver<D> {
             variant: Variant::widest(),
             particles: ParticleArrays::new(mass),
             order: CellOrder::default(),
-            fractions: OpenFractions::new(&grid, is_open),
-            coupling: BodyCoupling::default(),
+            fractions: OpenFractions::new(&grid, is_open, at_rest),
             before: std::array::from_fn(|_| zeros()),
             velocity: std::array::from_fn(|_| zeros()),
             face_mass: zeros(),
+            is_carried: std::array::from_fn(|_| vec![false; grid.stored]),
             state: std::array::from_fn(|_| vec![FaceState::Unknown; grid.stored]),
             found: Vec::new(),
             cell_mass: zeros(),
             room: zeros(),
             work: zeros(),
             depth: zeros(),
+            viscosity: Viscosity::new(&grid),
             stencil: Stencil::empty(grid.stored, grid.stride),
             right: zeros(),
             q: zeros(),
@@ -136,29 +113,71 @@ impl<const D: usize> PicSolver<D> {
     }
 
     /// Mass of a cell full of fluid [kg], in two dimensions [kg/m].
-    fn full_mass(&self) -> f64 {
+    pub fn full_mass(&self) -> f64 {
         self.settings.density * self.grid.cell_volume()
     }
 
-    /// Advances the fluid by `dt` [s] with bodies where they are. `forces` become the fluid's on
-    /// each of them [N].
+    /// Removes particles that are in a solid.
+    pub fn remove_inside(&mut self, bodies: &[RigidBody<D>]) {
+        let full = self.full_mass();
+        self.fractions.place_bodies(&self.grid, bodies, full);
+        let Self { grid, particles, fractions, .. } = self;
+        particles.retain(|at| {
+            let cell = cell_of(grid, at);
+            let holds = |number| fractions.solid(bodies, number).holds(at);
+            !fractions.near(cell).any(holds)
+        });
+    }
+
+    /// Advances the fluid by `dt` [s] with bodies where they are. `loads` become the fluid's on
+    /// each of them: forces [N] and torques about their centres [N m].
     pub fn step(
         &mut self,
         dt: f64,
         bodies: &[RigidBody<D>],
-        forces: &mut Vec<[f64; D]>,
+        loads: &mut Vec<Wrench>,
     ) -> PressureOutcome {
-        self.gather();
+        let outcome = self.find_loads(dt, bodies, loads);
+        self.move_particles(dt, bodies);
+        outcome
+    }
+
+    /// The first part of a step: velocities at its end, and the loads on the bodies meanwhile.
+    pub fn find_loads(
+        &mut self,
+        dt: f64,
+        bodies: &[RigidBody<D>],
+        loads: &mut Vec<Wrench>,
+    ) -> PressureOutcome {
         let full = self.full_mass();
-        self.fractions.place_bodies(&self.grid, bodies, full, &mut self.coupling);
+        self.gather();
+        self.fractions.place_bodies(&self.grid, bodies, full);
         self.find_surface();
-        self.accelerate(dt);
+        self.hold_faces(bodies);
+        self.accelerate(dt, bodies);
         self.assemble(dt, bodies);
         let outcome = self.solve();
-        self.project();
-        self.forces(dt, bodies, forces);
-        self.scatter(dt, bodies);
+        self.project(bodies);
+        self.take_loads(dt, bodies, loads);
         outcome
+    }
+
+    /// The second part of a step: particles take the velocities, move, and leave bodies, which are
+    /// where the step ends.
+    pub fn move_particles(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
+        take_velocities(
+            &self.grid,
+            &mut self.team,
+            self.settings.transfer,
+            &self.before,
+            &self.velocity,
+            &mut self.particles,
+        );
+        let margin = MARGIN * self.grid.spacing;
+        let lower = self.grid.origin.map(|x| x + margin);
+        let upper = self.grid.end().map(|x| x - margin);
+        advect(&self.grid, &self.velocity, dt, lower, upper, &mut self.particles);
+        self.push_out(bodies, margin);
     }
 
     /// Particles to grid.
@@ -168,6 +187,7 @@ impl<const D: usize> PicSolver<D> {
             to_faces(&self.grid, &self.particles, a, &mut self.face_mass, &mut self.before[a]);
             for at in 0..self.grid.stored {
                 let is_known = self.face_mass[at] > 0.0;
+                self.is_carried[a][at] = is_known;
                 self.state[a][at] = if is_known { FaceState::Fluid } else { FaceState::Unknown };
             }
             let (state, before) = (&mut self.state[a], &mut self.before[a]);
@@ -182,23 +202,54 @@ impl<const D: usize> PicSolver<D> {
         let full = self.full_mass();
         for at in 0..self.grid.stored {
             let is_cell = self.fractions.volume[at] > 0.0;
-            self.depth[at] =
-                if is_cell { depth(self.cell_mass[at] / full, self.room[at]) } else { -1.0 };
+            self.depth[at] = match (is_cell, self.settings.fills_all) {
+                (true, true) => 1.0,
+                (true, false) => depth(self.cell_mass[at] / full, self.room[at]),
+                (false, _) => -1.0,
+            };
+        }
+    }
+
+    /// Where surfaces hold the fluid back: faces in bodies have the bodies' velocity, and faces
+    /// beyond the box such a one that the walls between have theirs.
+    fn hold_faces(&mut self, bodies: &[RigidBody<D>]) {
+        for a in 0..D {
+            hold(&self.grid, &self.fractions, &self.settings, bodies, a, &mut self.before[a]);
         }
     }
 
     /// Forces that need no pressure.
-    fn accelerate(&mut self, dt: f64) {
+    fn accelerate(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
+        let PicSettings { gravity, drive, viscosity, walls, bodies_stick, density, .. } =
+            self.settings;
         for a in 0..D {
-            let gain = dt * self.settings.gravity[a];
+            let gain = dt * (gravity[a] + drive[a]);
             for (after, before) in self.velocity[a].iter_mut().zip(&self.before[a]) {
                 *after = before + gain;
             }
         }
+        self.viscosity.clear_loads(self.fractions.at_rest.len() + bodies.len());
+        if viscosity == 0.0 {
+            return;
+        }
+        let step = ViscousStep {
+            grid: &self.grid,
+            fractions: &self.fractions,
+            bodies,
+            walls: &walls,
+            bodies_stick,
+            density,
+            number: dt * viscosity / (self.grid.spacing * self.grid.spacing),
+            dt,
+        };
+        for a in 0..D {
+            let (carried, velocity) = (&self.is_carried[a], &mut self.velocity[a]);
+            self.viscosity.shear(&mut self.team, self.variant, &step, a, carried, velocity);
+        }
     }
 
     #[inline]
-    fn is_wet(&self, at: usize) -> bool {
+    pub(super) fn is_wet(&self, at: usize) -> bool {
         self.depth[at] > 0.0
     }
 
@@ -206,20 +257,16 @@ impl<const D: usize> PicSolver<D> {
     fn assemble(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let stride = self.grid.stride;
         self.has_surface = false;
-        for at in 0..self.grid.stored {
-            self.stencil.diagonal[at] = 0.0;
-            self.right[at] = 0.0;
-            for a in 0..D {
-                self.stencil.coupling[a][at] = 0.0;
-            }
-        }
+        self.stencil.diagonal.fill(0.0);
+        self.stencil.coupling.iter_mut().for_each(|coupling| coupling.fill(0.0));
+        self.right.fill(0.0);
         for cell in self.grid.all() {
             let at = self.grid.place(cell);
             if !self.is_wet(at) {
                 self.q[at] = 0.0;
                 continue;
             }
-            let mut outflow = self.fractions.pushed[at];
+            let mut outflow = self.fractions.pushed[at] - self.excess(at, dt);
             for a in 0..D {
                 for (face, beyond, sign) in
                     [(at, at - stride[a], -1.0), (at + stride[a], at + stride[a], 1.0)]
@@ -232,7 +279,7 @@ impl<const D: usize> PicSolver<D> {
                     if self.is_wet(beyond) {
                         self.stencil.diagonal[at] += open;
                         self.stencil.coupling[a][face] = open;
-                    } else {
+                    } else if !self.settings.fills_all {
                         self.stencil.diagonal[at] += open / self.to_surface(at, beyond);
                         self.has_surface = true;
                     }
@@ -245,8 +292,22 @@ impl<const D: usize> PicSolver<D> {
         for at in 0..self.grid.stored {
             if self.stencil.diagonal[at] == 0.0 {
                 self.right[at] = 0.0;
+                self.q[at] = 0.0;
             }
         }
+    }
+
+    /// Outflow that takes a share of a cell's excess of mass away in a step [m/s]. Particles that
+    /// follow an interpolated flow gather here and thin out there; unmended, the volume drifts.
+    /// Where the surface is near, only excess counts: there a cell may well be less than full.
+    #[inline]
+    fn excess(&self, at: usize, dt: f64) -> f64 {
+        if self.settings.relaxation == 0.0 {
+            return 0.0;
+        }
+        let filled = self.cell_mass[at] / self.full_mass() - self.room[at];
+        let over = if self.depth[at] >= 1.0 { filled } else { filled.max(0.0) };
+        self.settings.relaxation * over * self.grid.spacing / dt
     }
 
     /// Distance of the surface from a wet cell towards a cell of air.
@@ -259,33 +320,44 @@ impl<const D: usize> PicSolver<D> {
     /// on nothing. The pressure of a fluid at rest lifts a body by the faces that it covers; what
     /// its volume differs from that is added.
     fn add_bodies(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
-        for (cell, wrench) in self.coupling.cells.iter().zip(&mut self.coupling.wrenches) {
-            if self.stencil.diagonal[*cell as usize] == 0.0 {
+        let full = self.full_mass();
+        let PicSettings { gravity, .. } = self.settings;
+        let diagonal = &self.stencil.diagonal;
+        let coupling = &mut self.fractions.free.coupling;
+        for (cell, wrench) in coupling.cells.iter().zip(&mut coupling.wrenches) {
+            if diagonal[*cell as usize] == 0.0 {
                 *wrench = [0.0; 6];
             }
         }
         self.lift.clear();
-        for body in 0..self.coupling.count() {
-            let mut lift = [0.0; D];
-            for entry in self.coupling.entries(body) {
-                if self.coupling.wrenches[entry] != [0.0; 6] {
-                    for a in 0..D {
-                        lift[a] += self.fractions.beyond_faces[entry][a];
+        for border in [&self.fractions.free, &self.fractions.held] {
+            for body in 0..border.coupling.count() {
+                let mut lift = [0.0; D];
+                for entry in border.coupling.entries(body) {
+                    if diagonal[border.coupling.cells[entry] as usize] > 0.0 {
+                        for a in 0..D {
+                            lift[a] += border.beyond_faces[entry][a];
+                        }
                     }
                 }
+                self.lift.push(std::array::from_fn(|a| -full * gravity[a] * lift[a]));
             }
-            let full = self.full_mass();
-            self.lift.push(std::array::from_fn(|a| -full * self.settings.gravity[a] * lift[a]));
         }
-        let free = bodies.iter().filter_map(|body| body.mass.map(|mass| (body, mass)));
-        for (number, (body, mass)) in free.enumerate() {
-            let mut velocity: Wrench = [0.0; 6];
+        let at_rest = self.fractions.at_rest.len();
+        let shear = &self.viscosity.loads.solids;
+        let coupling = &self.fractions.free.coupling;
+        let free = bodies.iter().enumerate().filter(|(_, body)| body.is_free());
+        for (number, (index, body)) in free.enumerate() {
+            // Per unit of `q`, mobility is what a force of `full` over a second would change.
+            let mut wrench: Wrench = shear[at_rest + index];
             for a in 0..D {
-                velocity[a] = body.velocity[a]
-                    + dt * (self.settings.gravity[a]
-                        + (body.force[a] + self.lift[number][a]) / mass);
+                let mass = body.mass().unwrap_or(0.0);
+                wrench[a] += body.force[a] + self.lift[number][a] + mass * gravity[a];
             }
-            self.coupling.add_flux(number, &velocity, &mut self.right, |_| -1.0);
+            let gain = coupling.moved(number, &wrench.map(|w| w * dt / full));
+            let motion = body.motion();
+            let velocity: Wrench = std::array::from_fn(|k| motion[k] + gain[k]);
+            coupling.add_flux(number, &velocity, &mut self.right, |_| -1.0);
         }
     }
 
@@ -293,12 +365,13 @@ impl<const D: usize> PicSolver<D> {
         if !self.has_surface {
             self.make_compatible();
         }
-        self.multigrid.prepare(&self.stencil, &self.coupling);
+        let coupling = &self.fractions.free.coupling;
+        self.multigrid.prepare(&self.stencil, coupling);
         self.iteration.solve(
             &mut self.team,
             self.variant,
             &self.stencil,
-            &self.coupling,
+            coupling,
             &mut self.multigrid,
             &self.right,
             &mut self.q,
@@ -319,7 +392,7 @@ impl<const D: usize> PicSolver<D> {
     }
 
     /// Takes the pressure's gradient from the velocities, and extrapolates them.
-    fn project(&mut self) {
+    fn project(&mut self, bodies: &[RigidBody<D>]) {
         for a in 0..D {
             let stride = self.grid.stride[a];
             self.state[a][..stride].fill(FaceState::Unknown);
@@ -351,58 +424,25 @@ impl<const D: usize> PicSolver<D> {
             }
             let (state, velocity) = (&mut self.state[a], &mut self.velocity[a]);
             extrapolate(&self.grid, LAYERS, state, velocity, &mut self.found);
+            hold(&self.grid, &self.fractions, &self.settings, bodies, a, velocity);
         }
     }
 
-    /// Forces of the pressure on all bodies.
-    fn forces(&mut self, dt: f64, bodies: &[RigidBody<D>], forces: &mut Vec<[f64; D]>) {
-        let unit = self.full_mass() / dt;
-        forces.clear();
-        let mut number = 0;
-        for body in bodies {
-            if body.mass.is_some() {
-                let wrench = self.coupling.wrench(number, &self.q);
-                let lift = self.lift[number];
-                forces.push(std::array::from_fn(|a| unit * wrench[a] + lift[a]));
-                number += 1;
-            } else {
-                forces.push([0.0; D]);
-            }
-        }
-    }
-
-    /// Grid to particles; particles move, and leave bodies.
-    fn scatter(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
-        take_velocities(
-            &self.grid,
-            &mut self.team,
-            self.settings.transfer,
-            &self.before,
-            &self.velocity,
-            &mut self.particles,
-        );
-        let margin = MARGIN * self.grid.spacing;
-        let lower = self.grid.origin.map(|x| x + margin);
-        let upper = self.grid.end().map(|x| x - margin);
-        advect(&self.grid, &self.velocity, dt, lower, upper, &mut self.particles);
-        self.push_out(bodies, margin);
-    }
-
-    /// Moves particles out of bodies, straight away from their centres. Most particles are in cells
-    /// that no body comes near.
+    /// Moves particles out of solids, along their normals. Most particles are in cells that no
+    /// solid comes near.
     fn push_out(&mut self, bodies: &[RigidBody<D>], margin: f64) {
+        let reach = 2.0 * self.grid.spacing;
         for particle in 0..self.particles.len() {
             let mut at = self.particles.at(particle);
-            if !self.fractions.is_near_a_body(cell_of(&self.grid, at)) {
+            let cell = cell_of(&self.grid, at);
+            if !self.fractions.is_near_a_body(cell) {
                 continue;
             }
-            for body in bodies {
-                let arm: [f64; D] = std::array::from_fn(|a| at[a] - body.centre[a]);
-                let distance2: f64 = arm.iter().map(|x| x * x).sum();
-                let reach = body.radius + margin;
-                if distance2 < reach * reach && distance2 > 0.0 {
-                    let stretch = reach / distance2.sqrt();
-                    at = std::array::from_fn(|a| body.centre[a] + stretch * arm[a]);
+            for number in self.fractions.near(cell) {
+                let body = self.fractions.solid(bodies, number);
+                let Some((height, normal)) = body.height(at, reach) else { continue };
+                if height < margin {
+                    at = std::array::from_fn(|a| at[a] + (margin - height) * normal[a]);
                 }
             }
             for a in 0..D {
@@ -410,18 +450,41 @@ impl<const D: usize> PicSolver<D> {
             }
         }
     }
+}
 
-    /// Largest speed of particles [m/s].
-    pub fn max_speed(&self) -> f64 {
-        let of = |k: usize| -> f64 {
-            (0..D).map(|a| self.particles.velocity[a][k].powi(2)).sum::<f64>()
-        };
-        (0..self.particles.len()).map(of).fold(0.0, f64::max).sqrt()
+/// Gives one component of a velocity to the faces in bodies, and beyond walls, that hold the fluid
+/// back.
+fn hold<const D: usize>(
+    grid: &StaggeredGrid<D>,
+    fractions: &OpenFractions<D>,
+    settings: &PicSettings<D>,
+    bodies: &[RigidBody<D>],
+    axis: usize,
+    velocity: &mut [f64],
+) {
+    if !settings.sticks() || settings.viscosity == 0.0 {
+        return;
     }
-
-    /// Gauge pressure in a cell after a step of `dt` [Pa].
-    pub fn pressure(&self, cell: [isize; D], dt: f64) -> f64 {
-        self.q[self.grid.place(cell)] * self.settings.density * self.grid.spacing / dt
+    if settings.bodies_stick {
+        for cell in grid.all() {
+            let at = grid.place(cell);
+            let holder = fractions.holder[axis][at];
+            if holder != NONE {
+                let body = fractions.solid(bodies, holder as usize);
+                velocity[at] = body.velocity_at(grid.face_centre(axis, cell))[axis];
+            }
+        }
+    }
+    for b in (0..D).filter(|&b| b != axis) {
+        for side in 0..2 {
+            let BoxWall::Stick(wall) = settings.walls[b][side] else { continue };
+            let last = [0, grid.cells[b] as isize - 1][side];
+            for cell in grid.all().filter(|cell| cell[b] == last) {
+                let at = grid.place(cell);
+                let beyond = if side == 0 { at - grid.stride[b] } else { at + grid.stride[b] };
+                velocity[beyond] = 2.0 * wall[axis] - velocity[at];
+            }
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The domain: a box, boundary conditions at its faces, and the fluid in it.
 
 use super::course::Course;
+use super::fill::Fill;
 use super::reservoir::Reservoir;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -152,6 +153,9 @@ pub struct FluidMaterial {
     pub inside: Vec<[f64; 3]>,
     /// Points that no way may lead to [m]: a fluid that reaches one leaks, and is refused.
     pub outside: Vec<[f64; 3]>,
+    /// Regions that hold fluid at the start; without any it fills its space and has no surface.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fill: Vec<Fill>,
 }
 
 impl FluidMaterial {
@@ -166,6 +170,7 @@ impl FluidMaterial {
             expected_speed: None,
             inside: Vec::new(),
             outside: Vec::new(),
+            fill: Vec::new(),
         }
     }
 }

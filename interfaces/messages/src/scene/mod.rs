@@ -6,6 +6,7 @@ mod bodies;
 mod contacts;
 mod course;
 mod domain;
+mod fill;
 mod gaps;
 mod inlets;
 mod parts;
@@ -23,6 +24,7 @@ pub use bodies::{
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use course::{Course, Sine};
 pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Outflow, Plane, Profile};
+pub use fill::Fill;
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
 pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};

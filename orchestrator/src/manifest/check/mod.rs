@@ -8,6 +8,7 @@ mod contacts;
 mod course;
 mod diameters;
 mod domain;
+mod fluid;
 mod gaps;
 mod inlets;
 mod materials;

@@ -1,16 +1,18 @@
 //! Checks of `[scene]`: what belongs to no list of its own, and how the lists go together.
 
-use super::super::document::{FluidTable, PlaneTable, SceneTable};
+use super::super::document::{PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
 use super::polyhedra::Shapes;
-use super::{bodies, domain, gaps, inlets, materials, parts, placement, probes, seals, surfaces};
-use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
+use super::{
+    bodies, domain, fluid, gaps, inlets, materials, parts, placement, probes, seals, surfaces,
+};
+use tremie_messages::scene::{BodySet, Domain, Part, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
     let domain = domain::domain(&table.domain, findings);
-    let fluid = table.fluid.as_ref().map(|fluid| material(fluid, domain.as_ref(), findings));
+    let fluid = fluid::fluid(table, domain.as_ref(), findings);
     materials::materials(table, findings);
     let planes = planes(&table.planes, findings);
     let parts = parts::parts(&table.parts, findings);
@@ -64,50 +66,6 @@ fn flatten<T>(value: Option<Option<T>>) -> Option<Option<T>> {
         Some(None) => None,
         None => Some(None),
     }
-}
-
-fn material(
-    table: &FluidTable,
-    domain: Option<&Domain>,
-    findings: &mut Findings,
-) -> Option<FluidMaterial> {
-    let at = "scene.fluid";
-    let density = findings.positive(&table.density, at, "density");
-    let viscosity = findings.positive(&table.viscosity, at, "viscosity");
-    let expected =
-        table.expected_speed.map(|speed| findings.above_zero(speed, "scene.fluid.expected_speed"));
-    for (key, points) in [("inside", &table.inside), ("outside", &table.outside)] {
-        for (i, point) in points.iter().enumerate() {
-            let key = path::item(&path::join(at, key), i);
-            if let Some(domain) = domain {
-                probes::inside(&point.map(|x| x.0), domain, &key, findings);
-            }
-        }
-    }
-    if table.inside.is_empty() && !table.outside.is_empty() {
-        let key = path::join(at, "outside");
-        let message = "there is no `inside`: a leak is a way from a point inside to one outside";
-        findings.problem_with_help(&key, message, "add inside = [[X, Y, Z]], a point in the fluid");
-    }
-    let points = |list: &[[_; 3]]| list.iter().map(|point| point.map(metres)).collect();
-    Some(FluidMaterial {
-        density: density?,
-        viscosity: viscosity?,
-        acceleration: table.acceleration?.map(|a| a.0),
-        velocity: table.velocity?.map(|v| v.0),
-        pressure: table.pressure?.0,
-        inside: points(&table.inside),
-        outside: points(&table.outside),
-        expected_speed: if expected == Some(false) {
-            return None;
-        } else {
-            table.expected_speed.map(|v| v.0)
-        },
-    })
-}
-
-fn metres(length: tremie_messages::units::Length) -> f64 {
-    length.0
 }
 
 fn planes(tables: &[PlaneTable], findings: &mut Findings) -> Option<Vec<Plane>> {

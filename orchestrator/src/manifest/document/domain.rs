@@ -163,4 +163,25 @@ pub(in super::super) struct FluidTable {
     /// refused, with the narrowest place of the way and the parts beside it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<[Length; 3]>,
+    /// Regions that hold fluid at the start (default: all space that nothing else takes). With them
+    /// the fluid has a free surface, above which there is nothing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fill: Vec<FillTable>,
+}
+
+/// A region that holds fluid at the start: what lies in the box, below the level, and inside the
+/// part, as far as these are given. At least one of them is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct FillTable {
+    /// Lower corner of the box (default: that of the domain).
+    pub min: Option<[Length; 3]>,
+    /// Upper corner of the box (default: that of the domain).
+    pub max: Option<[Length; 3]>,
+    /// Height of the level on the axis along which gravity acts.
+    pub level: Option<Length>,
+    /// Name of the part whose inside holds the fluid.
+    pub part: Option<String>,
+    /// Velocity there at the start (default: that of the fluid).
+    pub velocity: Option<[Velocity; 3]>,
 }

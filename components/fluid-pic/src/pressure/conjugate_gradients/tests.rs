@@ -30,23 +30,17 @@ fn bodies<const D: usize>(radius: f64, ratio: f64) -> Vec<RigidBody<D>> {
             (along as f64 + 0.5) / BODIES as f64
         })
     };
-    let body = |number| RigidBody {
-        centre: centre(number),
-        radius,
-        velocity: [0.0; D],
-        mass: Some(ratio * volume),
-        force: [0.0; D],
-    };
+    let body = |number| RigidBody::ball(centre(number), radius).with_mass(ratio * volume);
     (0..BODIES.pow(D as u32)).map(body).collect()
 }
 
 impl<const D: usize> Tank<D> {
     fn new(n: usize, radius: f64, ratio: f64) -> Self {
         let grid = StaggeredGrid::<D>::new([n; D], 1.0 / n as f64, [0.0; D], [false; D]);
-        let mut fractions = OpenFractions::new(&grid, |_, _| false);
-        let mut coupling = BodyCoupling::default();
+        let mut fractions = OpenFractions::new(&grid, |_, _| false, Vec::new());
         let bodies = bodies(radius, ratio);
-        fractions.place_bodies(&grid, &bodies, grid.cell_volume(), &mut coupling);
+        fractions.place_bodies(&grid, &bodies, grid.cell_volume());
+        let mut coupling = fractions.free.coupling.clone();
         let is_wet = |at: usize| {
             let x = grid.centre(grid.cell_at(at));
             x[D - 1] < 0.7 + 0.1 * (9.0 * x[0]).sin() && fractions.volume[at] > 0.0

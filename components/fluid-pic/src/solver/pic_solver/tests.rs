@@ -13,7 +13,7 @@ fn full<const D: usize>(
     is_wet: impl Fn([f64; D]) -> bool,
 ) -> PicSolver<D> {
     let grid = StaggeredGrid::new(cells, edge, [0.0; D], [false; D]);
-    let mut solver = PicSolver::new(grid, settings, threads, |_, _| false).unwrap();
+    let mut solver = PicSolver::new(grid, settings, threads, |_, _| false, Vec::new()).unwrap();
     seed(&solver.grid, &mut solver.particles, 2, 0.0, 1, is_wet, |_| [0.0; D]);
     solver
 }
@@ -46,8 +46,7 @@ fn a_released_disc_moves_with_its_added_mass() {
         let is_wet = |x: [f64; 2]| (x[0] - centre[0]).hypot(x[1] - centre[1]) > radius;
         let mut solver = full([200, 200], 0.005, PicSettings::water([0.0, -9.81]), 1, is_wet);
         let mass = ratio * displaced;
-        let body =
-            RigidBody { centre, radius, velocity: [0.0; 2], mass: Some(mass), force: [0.0; 2] };
+        let body = RigidBody::ball(centre, radius).with_mass(mass);
         let mut forces = Vec::new();
         assert!(solver.step(1e-4, &[body], &mut forces).converged);
         let acceleration = forces[0][1] / mass - 9.81;
@@ -68,8 +67,7 @@ fn a_released_sphere_moves_with_half_of_its_displaced_fluid() {
         let mut solver =
             full([64; 3], 1.0 / 64.0, PicSettings::water([0.0, 0.0, -9.81]), 2, is_wet);
         let mass = ratio * displaced;
-        let body =
-            RigidBody { centre, radius, velocity: [0.0; 3], mass: Some(mass), force: [0.0; 3] };
+        let body = RigidBody::ball(centre, radius).with_mass(mass);
         let mut forces = Vec::new();
         assert!(solver.step(1e-4, &[body], &mut forces).converged);
         let acceleration = forces[0][2] / mass - 9.81;
@@ -86,7 +84,7 @@ fn a_neutrally_buoyant_disc_stays() {
     let is_wet = |x: [f64; 2]| x[1] < 0.8 && (x[0] - centre[0]).hypot(x[1] - centre[1]) > radius;
     let mut solver = full([50, 50], 0.02, PicSettings::water([0.0, -9.81]), 1, is_wet);
     let mass = 1000.0 * PI * radius * radius;
-    let body = RigidBody { centre, radius, velocity: [0.0; 2], mass: Some(mass), force: [0.0; 2] };
+    let body = RigidBody::ball(centre, radius).with_mass(mass);
     let mut forces = Vec::new();
     solver.step(1e-3, &[body], &mut forces);
     assert!((forces[0][1] / (9.81 * mass) - 1.0).abs() < 2e-3, "{forces:?}");
@@ -130,13 +128,7 @@ fn threads_change_no_bit() {
         let is_wet = |x: [f64; 3]| x[0] < 0.3 && x[2] < 0.5;
         let mut solver =
             full([20, 6, 14], 0.05, PicSettings::water([0.0, 0.0, -9.81]), threads, is_wet);
-        let body = RigidBody {
-            centre: [0.5, 0.15, 0.1],
-            radius: 0.1,
-            velocity: [0.0; 3],
-            mass: Some(2.0),
-            force: [0.0; 3],
-        };
+        let body = RigidBody::ball([0.5, 0.15, 0.1], 0.1).with_mass(2.0);
         let mut forces = Vec::new();
         for _ in 0..20 {
             solver.step(5e-3, std::slice::from_ref(&body), &mut forces);

@@ -1,0 +1,3 @@
+//! The user's settings.
+
+pub mod parameters;

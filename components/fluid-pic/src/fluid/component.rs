@@ -1,0 +1,169 @@
+//! The particle fluid as a component of a run.
+
+use crate::domain::parameters::Parameters;
+use crate::fluid::pic_fluid::PicFluid;
+use crate::fluid::signals::{OF_FLUID, OF_PARTS, OF_WALLS, signals};
+use crate::report::findings::{findings, limits};
+use std::collections::BTreeMap;
+use tremie_fluid_kit::observed::cut::Cut;
+use tremie_fluid_kit::observed::observed_cells::ObservedCells;
+use tremie_fluid_kit::observed::volume::{fill_volume, volume_spec};
+use tremie_fluid_kit::window::fluid_signals::walls;
+use tremie_fluid_kit::window::part_loads::PartLoads;
+use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
+use tremie_sdk::messages::start::signal_row::push;
+use tremie_sdk::messages::start::{Description, VolumeGrid};
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::{Fluid, Setup, SolverError};
+
+/// The particle fluid behind the sdk's interface.
+pub struct PicComponent {
+    fluid: PicFluid<3>,
+    cut: Cut,
+    /// Edge of a cell [m].
+    cell: f64,
+    on_parts: Vec<Load>,
+    parts: PartLoads,
+    /// Faces whose forces are signals.
+    walls: Vec<(usize, usize)>,
+}
+
+/// Name of the cut.
+const CUT: &str = "velocity";
+/// Name of the volume.
+const GRID: &str = "grid";
+
+impl<const D: usize> ObservedCells for PicFluid<D> {
+    fn cells(&self) -> [usize; 3] {
+        self.cells()
+    }
+
+    fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
+        self.centre(cell)
+    }
+
+    fn node(&self, cell: [usize; 3]) -> frame::SliceNode {
+        let (velocity, pressure, fill, is_solid) = self.node(cell);
+        frame::SliceNode {
+            velocity: velocity.map(|v| v as f32),
+            pressure: pressure as f32,
+            fill: fill as f32,
+            solid: u32::from(is_solid),
+        }
+    }
+}
+
+impl Fluid for PicComponent {
+    const PROGRAM: &'static str = concat!("fluid-pic ", env!("CARGO_PKG_VERSION"));
+    const TAKES_POLYHEDRA: bool = true;
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let scene = &setup.hello.scene;
+        let resolution = parameters.resolve(scene)?;
+        let [nx, ny, nz] = resolution.cells;
+        let megabytes = resolution.memory_bytes as f64 * 1e-6;
+        let mut notes = vec![format!(
+            "{nx} x {ny} x {nz} cells of {:.4e} m, {} wet at the start, {} particles, {megabytes:.0} MB",
+            resolution.cell, resolution.wet_cells, resolution.particles
+        )];
+        notes.extend(resolution.notes.iter().cloned());
+        let mut numbers = BTreeMap::from([
+            ("cells".to_string(), (nx * ny * nz) as f64),
+            ("wet cells".to_string(), resolution.wet_cells as f64),
+            ("particles".to_string(), resolution.particles as f64),
+            ("cell size [m]".to_string(), resolution.cell),
+        ]);
+        if let Some(cells) = resolution.cells_per_smallest_sphere {
+            notes.push(format!("{cells:.1} cells across the smallest sphere"));
+            numbers.insert("cells across the smallest sphere".into(), cells);
+        }
+        let step_limit = if parameters.time_step.is_some() {
+            "time_step".into()
+        } else {
+            let speed = resolution.expected_speed;
+            format!("{} cells at {speed:.3} m/s", parameters.courant)
+        };
+        Ok(Description {
+            step: Some(resolution.time_step),
+            step_limit,
+            signals: signals(scene),
+            slices: vec![Cut::of(scene).spec(CUT, resolution.cells)],
+            volumes: vec![volume_spec(GRID, scene, resolution.cell, resolution.cells)],
+            work: "cell updates".into(),
+            work_per_step: resolution.wet_cells as f64,
+            notes,
+            findings: findings(&parameters, scene, &resolution),
+            limits: limits(),
+            memory: resolution.memory_bytes,
+            resolution: numbers,
+            ..Description::default()
+        })
+    }
+
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let scene = &setup.hello.scene;
+        let step = setup.assigned()?.step;
+        let threads = setup.hello.threads.max(1) as usize;
+        Ok(Self {
+            fluid: PicFluid::new(scene, &parameters, step, threads)?,
+            cut: Cut::of(scene),
+            cell: parameters.cell.0,
+            on_parts: Vec::new(),
+            parts: PartLoads::new(scene),
+            walls: walls(scene).collect(),
+        })
+    }
+
+    fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
+        self.fluid.apply_events(events).map_err(SolverError::from_error)?;
+        self.parts.apply(events);
+        Ok(())
+    }
+
+    fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
+        self.fluid.start(bodies, loads).map_err(SolverError::from_error)?;
+        self.parts.note(loads);
+        Ok(())
+    }
+
+    fn advance(
+        &mut self,
+        substeps: u32,
+        bodies: &[BodyState],
+        loads: &mut [Load],
+    ) -> Result<(), SolverError> {
+        self.fluid.advance(substeps, bodies, loads).map_err(SolverError::from_error)?;
+        self.parts.note(loads);
+        Ok(())
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        push(&OF_FLUID, &self.fluid.state(), values);
+        let forces = self.fluid.wall_forces();
+        for &(axis, side) in &self.walls {
+            push(&OF_WALLS, &forces[axis][side], values);
+        }
+        self.fluid.loads_at_rest(&mut self.on_parts);
+        for load in self.parts.loads(&self.on_parts) {
+            push(&OF_PARTS, load, values);
+        }
+    }
+
+    fn sampled(&mut self, values: &mut Vec<f64>) {
+        self.fluid.probes(values);
+    }
+
+    fn work(&self) -> u64 {
+        self.fluid.wet_cells() as u64
+    }
+
+    fn slice(&mut self, _name: &str, nodes: &mut [frame::SliceNode]) -> SliceHeader {
+        self.cut.fill(&self.fluid, self.cell, nodes)
+    }
+
+    fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
+        fill_volume(&self.fluid, self.cell, grid, nodes)
+    }
+}

@@ -1,0 +1,11 @@
+//! The fluid as its users see it, and as a component of a run.
+
+pub mod body_registry;
+#[cfg(feature = "component")]
+pub mod component;
+pub mod contact_prediction;
+pub mod error;
+pub mod pic_fluid;
+pub mod scene_solids;
+#[cfg(feature = "component")]
+pub mod signals;
