@@ -89,7 +89,7 @@ impl Patch {
                     velocity: single(sample.velocity),
                     pressure: sample.pressure as f32,
                     fill: 1.0,
-            solid: 0,
+                    solid: 0,
                 },
                 None if field.is_air(point) => SliceNode::default(),
                 None => SliceNode { solid: 1, ..SliceNode::default() },

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 /// Colour of nodes where there is neither fluid nor solid.
-pub const AIR: u32 = rgba([222, 232, 240]);
+pub const AIR: u32 = rgba([46, 52, 60]);
 /// Colour of solid nodes and of bodies that never move.
 pub(crate) const GREY: u32 = rgba([112, 116, 122]);
 

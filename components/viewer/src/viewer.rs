@@ -149,8 +149,15 @@ impl Viewer {
         }
         let (from, name) = key;
         let (arrows, eye) = (self.parameters.arrows, self.overview.position);
-        let cut =
-            drawn(Cut::open(self.recording(), from, name, header, arrows, eye, &self.scene.domain))?;
+        let cut = drawn(Cut::open(
+            self.recording(),
+            from,
+            name,
+            header,
+            arrows,
+            eye,
+            &self.scene.domain,
+        ))?;
         if self.cuts.insert(key.clone(), cut).is_none() {
             self.send_layout()?;
         }

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 /// Something cut into pieces, no two of which share memory: one or several slices.
 ///
-/// Implemented here alone, for [`Cut`] and tuples of what implements it.
+/// Implemented here alone, for [`Cut`], and for arrays and tuples of what implements it.
 pub trait Pieces: Sync + sealed::Sealed {
     /// One of the pieces.
     type Piece;
@@ -112,9 +112,25 @@ tuples! {
     (A 0, B 1, C 2, D 3, E 4, F 5, G 6, H 7)
 }
 
+impl<P: Pieces, const N: usize> Pieces for [P; N] {
+    type Piece = [P::Piece; N];
+
+    fn count(&self) -> usize {
+        let count = self.first().map_or(0, Pieces::count);
+        assert!(self.iter().all(|pieces| pieces.count() == count), "as many pieces of each");
+        count
+    }
+
+    unsafe fn piece(&self, k: usize) -> Self::Piece {
+        // SAFETY: the counts are equal, and the caller keeps the contract for all alike.
+        std::array::from_fn(|n| unsafe { self[n].piece(k) })
+    }
+}
+
 mod sealed {
     pub trait Sealed {}
     impl<T> Sealed for super::Cut<'_, T> {}
+    impl<P: super::Pieces, const N: usize> Sealed for [P; N] {}
 }
 
 #[cfg(test)]

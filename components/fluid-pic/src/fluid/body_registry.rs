@@ -48,7 +48,9 @@ impl BodyRegistry {
                     next.remove(place);
                 }
                 (BodyEvent::ADDED, Ok(_)) => return Err(wrong("it is there already")),
-                (BodyEvent::REMOVED, Err(_)) => return Err(wrong("it is to be removed, and is not there")),
+                (BodyEvent::REMOVED, Err(_)) => {
+                    return Err(wrong("it is to be removed, and is not there"));
+                }
                 _ => return Err(wrong("the kind of its event is unknown")),
             }
         }
@@ -65,7 +67,11 @@ impl BodyRegistry {
         let other = pairs.clone().find(|(body, state)| body.event.id != state.id);
         if other.is_some() || self.bodies.len() != states.len() {
             let id = other.map(|(_, state)| state.id);
-            return Err(FluidError::States { expected: self.bodies.len(), found: states.len(), id });
+            return Err(FluidError::States {
+                expected: self.bodies.len(),
+                found: states.len(),
+                id,
+            });
         }
         match states.iter().find(|state| !state.is_finite()) {
             Some(state) => Err(FluidError::NotFinite { id: state.id }),

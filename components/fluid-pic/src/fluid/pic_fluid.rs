@@ -98,7 +98,14 @@ impl PicFluid<3> {
         threads: usize,
     ) -> Result<Self, Vec<Problem>> {
         let (resolution, ground) = parameters.survey(scene)?;
-        Self::on(scene, parameters, &resolution, &ground, (Section::SPACE, 1.0), (time_step, threads))
+        Self::on(
+            scene,
+            parameters,
+            &resolution,
+            &ground,
+            (Section::SPACE, 1.0),
+            (time_step, threads),
+        )
     }
 }
 
@@ -138,8 +145,8 @@ impl<const D: usize> PicFluid<D> {
         let no_threads = |error: std::io::Error| {
             vec![Problem::new("components", format!("the system gives no threads: {error}"))]
         };
-        let mut solver = PicSolver::new(grid, settings, threads, |_, _| false, at_rest)
-            .map_err(no_threads)?;
+        let mut solver =
+            PicSolver::new(grid, settings, threads, |_, _| false, at_rest).map_err(no_threads)?;
         let reader = Team::new("fluid-pic-probes", 1).map_err(no_threads)?;
         seed_scene(&mut solver, &section, scene, parameters, ground);
         let stored = |at: [i32; 3]| Some(ground.grid.index(at) as u32);
@@ -283,9 +290,8 @@ impl<const D: usize> PicFluid<D> {
         let own = self.solver.wall_forces(self.dt);
         let mut forces = [[[0.0; 3]; 2]; 3];
         for a in 0..D {
-            forces[self.section.axes[a]] = own[a].map(|force| {
-                self.section.vector_to_world(force).map(|f| f * self.depth)
-            });
+            forces[self.section.axes[a]] =
+                own[a].map(|force| self.section.vector_to_world(force).map(|f| f * self.depth));
         }
         forces
     }

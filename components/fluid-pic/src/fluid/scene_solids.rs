@@ -146,8 +146,7 @@ impl<const D: usize> SceneSolids<D> {
     pub fn body(&self, known: &KnownBody, state: &BodyState) -> Result<RigidBody<D>, FluidError> {
         let event = &known.event;
         let wrong = |why| FluidError::Body { id: event.id, why };
-        let frame =
-            Frame::of(&Pose { position: state.position, orientation: state.orientation });
+        let frame = Frame::of(&Pose { position: state.position, orientation: state.orientation });
         let table = usize::try_from(event.table).unwrap_or(usize::MAX);
         let shape = match event.shape {
             BodyEvent::SPHERE => BodyShape::Ball(event.size[0]),
@@ -176,10 +175,8 @@ impl<const D: usize> SceneSolids<D> {
         Ok(match event.motion {
             BodyEvent::FREE if event.shape == BodyEvent::SPHERE => body.with_mass(mass),
             BodyEvent::FREE => {
-                body.freedom = Freedom::Free {
-                    mass,
-                    inverse_inertia: self.inverse_inertia(event, &frame),
-                };
+                body.freedom =
+                    Freedom::Free { mass, inverse_inertia: self.inverse_inertia(event, &frame) };
                 body
             }
             BodyEvent::SLIDER => {

@@ -63,15 +63,19 @@ pub const OF_FLUID: [SignalRow<FluidState>; 24] = [
         "largest imbalance of a cell's volume that they left, as the sum of velocities times open parts of faces",
         |s| s.iteration(|outcome| outcome.residual),
     ),
-    ("divergence", "1/s", "the same, found anew from the velocities, over the edge of a cell", |s| {
-        s.divergence
-    }),
+    (
+        "divergence",
+        "1/s",
+        "the same, found anew from the velocities, over the edge of a cell",
+        |s| s.divergence,
+    ),
     ("particles_per_cell", "1", "particles over wet cells", |s| {
         s.particles as f64 / s.wet_cells.max(1) as f64
     }),
 ];
 
-const FORCE: &str = "force of the fluid on the part: pressure with its hydrostatic part, and shear; no contacts";
+const FORCE: &str =
+    "force of the fluid on the part: pressure with its hydrostatic part, and shear; no contacts";
 const TORQUE: &str = "torque of the same about the origin of the part's frame";
 const WALL: &str = "force of the fluid on this face of the domain: pressure with its hydrostatic part, and shear; no contacts";
 

@@ -3,6 +3,9 @@
 
 use crate::grid::staggered_grid::{GHOST, StaggeredGrid};
 
+/// Most values around a point.
+const MOST: usize = 8;
+
 /// Values around a point: the place of the lowest, and the point's shares along each axis.
 #[derive(Clone, Copy, Debug)]
 pub struct HatWeights<const D: usize> {
@@ -31,30 +34,48 @@ impl<const D: usize> HatWeights<D> {
         Self { base, upper }
     }
 
+    /// Steps in memory from the lowest value to each of the `2^D`, of which the first are used.
+    #[inline(always)]
+    fn steps(grid: &StaggeredGrid<D>) -> [usize; MOST] {
+        let mut steps = [0; MOST];
+        for a in 0..D {
+            for corner in 0..1 << a {
+                steps[corner + (1 << a)] = steps[corner] + grid.stride[a];
+            }
+        }
+        steps
+    }
+
     /// Place and weight of each of the `2^D` values.
     #[inline(always)]
     pub fn each(&self, grid: &StaggeredGrid<D>, mut f: impl FnMut(usize, f64)) {
-        for corner in 0..1 << D {
-            let mut place = self.base;
-            let mut weight = 1.0;
-            for a in 0..D {
-                if corner >> a & 1 == 1 {
-                    place += grid.stride[a];
-                    weight *= self.upper[a];
-                } else {
-                    weight *= 1.0 - self.upper[a];
-                }
+        let steps = Self::steps(grid);
+        let mut weights = [1.0; MOST];
+        for a in 0..D {
+            for corner in 0..1 << a {
+                weights[corner + (1 << a)] = weights[corner] * self.upper[a];
+                weights[corner] *= 1.0 - self.upper[a];
             }
-            f(place, weight);
+        }
+        for corner in 0..1 << D {
+            f(self.base + steps[corner], weights[corner]);
         }
     }
 
     /// The interpolated value.
     #[inline(always)]
     pub fn value(&self, grid: &StaggeredGrid<D>, values: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        self.each(grid, |place, weight| sum += weight * values[place]);
-        sum
+        let steps = Self::steps(grid);
+        let mut around = [0.0; MOST];
+        for corner in 0..1 << D {
+            around[corner] = values[self.base + steps[corner]];
+        }
+        for a in (0..D).rev() {
+            for corner in 0..1 << a {
+                around[corner] += self.upper[a] * (around[corner + (1 << a)] - around[corner]);
+            }
+        }
+        around[0]
     }
 
     /// The gradient of the interpolation along each axis.

@@ -59,6 +59,17 @@ impl<const D: usize> ParticleArrays<D> {
         }
     }
 
+    /// Takes from the velocity of a particle what goes into a wall of a normal and velocity.
+    pub fn stop_into(&mut self, particle: usize, normal: [f64; D], wall: [f64; D]) {
+        let into: f64 = (0..D)
+            .map(|a| (self.velocity[a][particle] - wall[a]) * normal[a])
+            .sum::<f64>()
+            .min(0.0);
+        for a in 0..D {
+            self.velocity[a][particle] -= into * normal[a];
+        }
+    }
+
     /// Keeps the particles whose position `is_kept`, in their order.
     pub fn retain(&mut self, mut is_kept: impl FnMut([f64; D]) -> bool) {
         let mut kept = 0;

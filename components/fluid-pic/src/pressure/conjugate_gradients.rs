@@ -43,7 +43,8 @@ impl ConjugateGradients {
         Self { residual: zeros(), preconditioned: zeros(), direction: zeros(), applied: zeros() }
     }
 
-    /// Solves `(A + J^T S J) q = b`, beginning from the `q` that is there.
+    /// Solves `(A + J^T S J) q = b`, beginning from the `q` that is there. Unless the level of `q`
+    /// `is_held`, by a free surface, any constant is free: its mean is kept at zero.
     #[expect(clippy::too_many_arguments, reason = "an equation, its solution and its solvers")]
     pub fn solve<const D: usize>(
         &mut self,
@@ -55,9 +56,19 @@ impl ConjugateGradients {
         b: &[f64],
         q: &mut [f64],
         tolerance: Tolerance,
+        is_held: bool,
     ) -> PressureOutcome {
         let rows = &stencil.rows;
         let Self { residual, preconditioned, direction, applied } = self;
+        let level = |values: &mut [f64]| {
+            let cells = || rows.all_spans().flatten().filter(|&at| stencil.diagonal[at] > 0.0);
+            let (sum, count) = cells().fold((0.0, 0), |(s, n), at| (s + values[at], n + 1));
+            let mean = sum / f64::from(count.max(1));
+            cells().for_each(|at| values[at] -= mean);
+        };
+        if !is_held {
+            level(q);
+        }
         stencil.residual(team, variant, q, b, residual);
         bodies.apply(q, residual, |_| -1.0);
         let largest =
@@ -70,7 +81,13 @@ impl ConjugateGradients {
         let mut left = largest(residual);
         let (mut weight, mut iterations) = (0.0, 0);
         while left > goal && iterations < tolerance.iterations {
+            if !is_held {
+                level(residual);
+            }
             multigrid.precondition(team, variant, residual, preconditioned);
+            if !is_held {
+                level(preconditioned);
+            }
             let fresh = dot(residual, preconditioned);
             // Polak and Ribiere's choice bears a preconditioner of single precision.
             let beta = if iterations == 0 { 0.0 } else { -dot(preconditioned, applied) * weight };

@@ -20,7 +20,10 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
             .doubtful_if(
                 courant > 1.0,
                 "above 1 particles cross a cell in a step, and splash apart",
-                format!("a time step of {} s makes it 0.5", short(resolution.time_step * 0.5 / courant)),
+                format!(
+                    "a time step of {} s makes it 0.5",
+                    short(resolution.time_step * 0.5 / courant)
+                ),
             ),
         Finding::new("particles in a cell", parameters.particles_per_axis.pow(3) as f64, "1")
             .doubtful_if(
@@ -34,7 +37,10 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
             Finding::new("cells in the depth of the fluid", resolution.depth, "1").doubtful_if(
                 resolution.depth < SHALLOW,
                 format!("below {SHALLOW} waves are damped by the grid"),
-                format!("a cell of {} m makes it {SHALLOW}", short(resolution.cell * resolution.depth / SHALLOW)),
+                format!(
+                    "a cell of {} m makes it {SHALLOW}",
+                    short(resolution.cell * resolution.depth / SHALLOW)
+                ),
             ),
         );
     }
@@ -73,7 +79,8 @@ pub fn limits() -> Vec<Limit> {
             unit: "1".into(),
             doubtful: 0.02,
             wrong: Some(0.2),
-            why: "the fluid is incompressible: what its volume changes by is the method's error".into(),
+            why: "the fluid is incompressible: what its volume changes by is the method's error"
+                .into(),
             remedy: "a shorter time step, a larger relaxation, or smaller cells".into(),
         },
     ]

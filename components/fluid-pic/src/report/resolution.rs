@@ -127,7 +127,8 @@ impl Parameters {
             Some(speed) => speed,
             None if self.time_step.is_some() => 0.0,
             None => {
-                let found = "neither gravity nor an expected speed says how long a time step may be";
+                let found =
+                    "neither gravity nor an expected speed says how long a time step may be";
                 let help = "write expected_speed = \"1 m/s\", or time_step in the fluid's settings";
                 return Err(vec![Problem::new("scene.fluid.expected_speed", found).help(help)]);
             }
@@ -143,12 +144,18 @@ impl Parameters {
         let free = |set: &&tremie_messages::scene::BodySet| {
             set.motion == tremie_messages::scene::Motion::Free
         };
-        let lightest_body =
-            scene.bodies.iter().filter(free).map(|set| set.density / fluid.density).reduce(f64::min);
+        let lightest_body = scene
+            .bodies
+            .iter()
+            .filter(free)
+            .map(|set| set.density / fluid.density)
+            .reduce(f64::min);
         let [narrowest_gap, narrowest_film] = narrowest(scene, ground);
         let mut notes = ground.notes();
         let walls = if sticks { "hold the fluid back" } else { "let the fluid slip" };
-        notes.push(format!("walls and bodies {walls} (Reynolds number of a cell {cell_reynolds:.3})"));
+        notes.push(format!(
+            "walls and bodies {walls} (Reynolds number of a cell {cell_reynolds:.3})"
+        ));
         Ok(Resolution {
             cells,
             cell: h,
@@ -197,7 +204,8 @@ impl Wet {
             }
         }
         if count == 0 {
-            let found = "the regions hold no water: solids cover them, or they are thinner than a cell";
+            let found =
+                "the regions hold no water: solids cover them, or they are thinner than a cell";
             let key = if fluid.fill.is_empty() { "scene.fluid" } else { "scene.fluid.fill[0]" };
             let help = "make them larger than a cell, in space that the fluid can reach";
             return Err(vec![Problem::new(key, found).help(help)]);
@@ -227,7 +235,8 @@ impl<'a> FillRegions<'a> {
         let fills = scene.fluid.as_ref().map_or(&[][..], |fluid| &fluid.fill);
         let part = |fill: &Fill| {
             let name = fill.part.as_ref()?;
-            let (index, surface) = ground.part_surfaces().find(|(k, _)| scene.parts[*k].name == *name)?;
+            let (index, surface) =
+                ground.part_surfaces().find(|(k, _)| scene.parts[*k].name == *name)?;
             let frame = tremie_fluid_kit::survey::solids::start_frame(&scene.parts[index], surface);
             Some((surface, frame))
         };
@@ -240,7 +249,10 @@ impl<'a> FillRegions<'a> {
         if self.fills.is_empty() {
             return Some(None);
         }
-        let holds = |(fill, part): &(&Fill, &Option<(&tremie_geometry::Surface, tremie_geometry::Frame)>)| {
+        let holds = |(fill, part): &(
+            &Fill,
+            &Option<(&tremie_geometry::Surface, tremie_geometry::Frame)>,
+        )| {
             // Inside a part's surface, whichever of its sides is solid.
             let inside = part.as_ref().is_none_or(|(surface, frame)| {
                 surface.contains(frame.to_part(point)) != surface.is_cavity()

@@ -31,19 +31,26 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
     for (index, part) in scene.parts.iter().enumerate() {
         let key = format!("scene.parts[{index}]");
         if part.boundary != PartBoundary::Wall {
-            let found = format!("{} lets fluid through, but the particle fluid knows walls only", part.name);
+            let found = format!(
+                "{} lets fluid through, but the particle fluid knows walls only",
+                part.name
+            );
             problems.push(Problem::new(format!("{key}.boundary"), found).help("make it a wall"));
         }
         if part.motion != Motion::Fixed && part.cavity {
-            let found =
-                format!("{} moves; the particle fluid knows cavities only of parts that stand still", part.name);
+            let found = format!(
+                "{} moves; the particle fluid knows cavities only of parts that stand still",
+                part.name
+            );
             let problem = Problem::new(format!("{key}.cavity"), found);
             problems.push(problem.help("fix the part, or make it a solid"));
         }
     }
     for (index, set) in scene.bodies.iter().enumerate() {
         if let Some(clump) = &set.clump {
-            let found = format!("the bodies belong to the clump {clump}, which the particle fluid would take for bodies of their own");
+            let found = format!(
+                "the bodies belong to the clump {clump}, which the particle fluid would take for bodies of their own"
+            );
             let problem = Problem::new(format!("scene.bodies[{index}].clump"), found);
             problems.push(problem.help("take single bodies, or fluid = \"fluid-lbm\""));
         }

@@ -205,13 +205,7 @@ impl<const D: usize> OpenFractions<D> {
         self.rest.open[axis][place] == 0.0 && (self.is_cell(place) || self.is_cell(below))
     }
 
-    fn place_body(
-        &mut self,
-        grid: &StaggeredGrid<D>,
-        body: &RigidBody<D>,
-        number: u32,
-        full: f64,
-    ) {
+    fn place_body(&mut self, grid: &StaggeredGrid<D>, body: &RigidBody<D>, number: u32, full: f64) {
         let bounds = body.bounds();
         let reach = |a: usize, end: usize| {
             let margin = [-1.0, 1.0][end] * MARGIN * grid.spacing;

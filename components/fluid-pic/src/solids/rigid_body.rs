@@ -186,7 +186,8 @@ impl<const D: usize> RigidBody<D> {
 
     /// Lower and upper corner of a box around it [m].
     pub fn bounds(&self) -> [[f64; D]; 2] {
-        let about = |radius: f64| [self.centre.map(|x| x - radius), self.centre.map(|x| x + radius)];
+        let about =
+            |radius: f64| [self.centre.map(|x| x - radius), self.centre.map(|x| x + radius)];
         match &self.shape {
             BodyShape::Ball(radius) => about(*radius),
             BodyShape::Convex { reach, .. } => about(*reach),

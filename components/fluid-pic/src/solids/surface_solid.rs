@@ -145,7 +145,8 @@ mod tests {
                 for k in -4..4 {
                     let lower = [i, j, k].map(|n| 0.1 * f64::from(n));
                     for axis in 0..3 {
-                        let (face, is) = (solid.face(axis, lower, 0.1), exact.face(axis, lower, 0.1));
+                        let (face, is) =
+                            (solid.face(axis, lower, 0.1), exact.face(axis, lower, 0.1));
                         assert!((face.share - is.share).abs() < 0.04, "{face:?} {is:?}");
                     }
                     volume += solid.cell(lower, 0.1);

@@ -14,6 +14,15 @@ pub enum FaceState {
     Wall,
 }
 
+/// Room to work in.
+#[derive(Clone, Debug, Default)]
+pub struct ExtrapolationRoom {
+    /// Faces of a layer, and their velocities.
+    found: Vec<(u32, f64)>,
+    /// Rows that have faces of the fluid.
+    has_fluid: Vec<bool>,
+}
+
 /// Fills `layers` of unknown faces around the known ones, one after the other, with the mean of
 /// their known neighbours of the same axis.
 pub fn extrapolate<const D: usize>(
@@ -21,14 +30,24 @@ pub fn extrapolate<const D: usize>(
     layers: usize,
     state: &mut [FaceState],
     velocity: &mut [f64],
-    found: &mut Vec<(u32, f64)>,
+    room: &mut ExtrapolationRoom,
 ) {
     let length = grid.row_length();
     for _ in 0..layers {
+        let ExtrapolationRoom { found, has_fluid } = room;
         found.clear();
+        has_fluid.clear();
+        // A sum over the row, unlike a search, is done for many faces at once.
+        has_fluid.extend(state.chunks_exact(length).map(|row| {
+            row.iter().fold(0_u8, |any, &state| any | u8::from(state == FaceState::Fluid)) != 0
+        }));
+        let is_known = |start: usize| has_fluid[start / length];
         for start in (0..grid.stored).step_by(length) {
             let (rows, count_of_rows) = rows_beside(grid, start);
             let beside = &rows[..count_of_rows];
+            if !is_known(start) && !beside.iter().any(|&row| is_known(row)) {
+                continue;
+            }
             for along in 0..length {
                 let at = start + along;
                 if state[at] != FaceState::Unknown {

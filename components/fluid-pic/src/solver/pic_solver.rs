@@ -16,7 +16,8 @@
 
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::cell_order::{CellOrder, cell_of};
-use crate::particles::from_grid::{FaceVelocity, advect, take_velocities};
+use crate::particles::from_grid::{FaceVelocity, PIECE, ParticleMotion};
+use crate::particles::hat_weights::HatWeights;
 use crate::particles::particle_arrays::ParticleArrays;
 use crate::particles::to_grid::{to_cells, to_faces};
 use crate::pressure::body_coupling::Wrench;
@@ -25,14 +26,18 @@ use crate::pressure::multigrid::Multigrid;
 use crate::pressure::stencil::Stencil;
 use crate::solids::open_fractions::{MARGIN, NONE, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
-use crate::solver::extrapolation::{FaceState, extrapolate};
+use crate::solver::extrapolation::{ExtrapolationRoom, FaceState, extrapolate};
 use crate::solver::pic_settings::{BoxWall, PicSettings};
 use crate::solver::viscosity::{Viscosity, ViscousStep};
 use crate::surface::fill_level::{depth, room};
-use tremie_team::{Team, Variant};
+use tremie_team::{Cut, Team, Variant};
 
 /// Layers of faces beyond the fluid that have a velocity.
 const LAYERS: usize = 3;
+
+/// Open fraction of a face below which its velocity says nothing of the fluid around: through a
+/// crevice beside a body it may be many times the body's.
+const CREVICE: f64 = 0.2;
 
 /// A fluid with a free surface, and bodies in it.
 pub struct PicSolver<const D: usize> {
@@ -47,11 +52,14 @@ pub struct PicSolver<const D: usize> {
     pub(super) fractions: OpenFractions<D>,
     pub(super) before: FaceVelocity<D>,
     pub(super) velocity: FaceVelocity<D>,
-    face_mass: Vec<f64>,
+    face_mass: FaceVelocity<D>,
     /// Faces that particles reach.
     is_carried: [Vec<bool>; D],
     pub(super) state: [Vec<FaceState>; D],
-    found: Vec<(u32, f64)>,
+    found: [ExtrapolationRoom; D],
+    voids: Vec<u32>,
+    /// Particles that no wet cell is near.
+    is_adrift: Vec<bool>,
     pub(super) cell_mass: Vec<f64>,
     pub(super) room: Vec<f64>,
     work: Vec<f64>,
@@ -91,10 +99,12 @@ impl<const D: usize> PicSolver<D> {
             fractions: OpenFractions::new(&grid, is_open, at_rest),
             before: std::array::from_fn(|_| zeros()),
             velocity: std::array::from_fn(|_| zeros()),
-            face_mass: zeros(),
+            face_mass: std::array::from_fn(|_| zeros()),
             is_carried: std::array::from_fn(|_| vec![false; grid.stored]),
             state: std::array::from_fn(|_| vec![FaceState::Unknown; grid.stored]),
-            found: Vec::new(),
+            found: std::array::from_fn(|_| ExtrapolationRoom::default()),
+            voids: Vec::new(),
+            is_adrift: Vec::new(),
             cell_mass: zeros(),
             room: zeros(),
             work: zeros(),
@@ -165,34 +175,60 @@ impl<const D: usize> PicSolver<D> {
     /// The second part of a step: particles take the velocities, move, and leave bodies, which are
     /// where the step ends.
     pub fn move_particles(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
-        take_velocities(
-            &self.grid,
-            &mut self.team,
-            self.settings.transfer,
-            &self.before,
-            &self.velocity,
-            &mut self.particles,
-        );
         let margin = MARGIN * self.grid.spacing;
-        let lower = self.grid.origin.map(|x| x + margin);
-        let upper = self.grid.end().map(|x| x - margin);
-        advect(&self.grid, &self.velocity, dt, lower, upper, &mut self.particles);
+        self.find_adrift();
+        let motion = ParticleMotion {
+            grid: &self.grid,
+            before: &self.before,
+            after: &self.velocity,
+            is_adrift: &self.is_adrift,
+            dt,
+            fall: std::array::from_fn(|a| dt * self.settings.gravity[a]),
+            lower: self.grid.origin.map(|x| x + margin),
+            upper: self.grid.end().map(|x| x - margin),
+        };
+        motion.take_velocities(&mut self.team, self.settings.transfer, &mut self.particles);
+        motion.advect(&mut self.team, &mut self.particles);
         self.push_out(bodies, margin);
     }
 
-    /// Particles to grid.
+    /// Finds the particles that no wet cell is near: they fly by themselves.
+    fn find_adrift(&mut self) {
+        let Self { grid, team, depth, particles, is_adrift, .. } = self;
+        is_adrift.clear();
+        is_adrift.resize(particles.len(), false);
+        let particles = &*particles;
+        team.for_pieces(Cut::every(is_adrift, PIECE), |piece, out: &mut [bool]| {
+            for (k, is_adrift) in out.iter_mut().enumerate() {
+                let around = HatWeights::new(grid, None, particles.at(piece * PIECE + k));
+                *is_adrift = true;
+                around.each(grid, |place, _| *is_adrift &= depth[place] <= 0.0);
+            }
+        });
+    }
+
+    /// Particles to grid. Components are works of their own, so that sums keep their order.
     fn gather(&mut self) {
         self.order.sort(&self.grid, &mut self.particles);
-        for a in 0..D {
-            to_faces(&self.grid, &self.particles, a, &mut self.face_mass, &mut self.before[a]);
-            for at in 0..self.grid.stored {
-                let is_known = self.face_mass[at] > 0.0;
-                self.is_carried[a][at] = is_known;
-                self.state[a][at] = if is_known { FaceState::Fluid } else { FaceState::Unknown };
-            }
-            let (state, before) = (&mut self.state[a], &mut self.before[a]);
-            extrapolate(&self.grid, LAYERS, state, before, &mut self.found);
-        }
+        let Self { grid, particles, team, before, face_mass, is_carried, state, found, .. } = self;
+        let (grid, particles) = (&*grid, &*particles);
+        team.for_pieces(
+            (
+                Cut::every(before, 1),
+                Cut::every(face_mass, 1),
+                Cut::every(is_carried, 1),
+                Cut::every(state, 1),
+                Cut::every(found, 1),
+            ),
+            |a, (before, mass, carried, state, found): Gathered| {
+                to_faces(grid, particles, a, &mut mass[0], &mut before[0]);
+                for (at, &mass) in mass[0].iter().enumerate() {
+                    carried[0][at] = mass > 0.0;
+                    state[0][at] = if mass > 0.0 { FaceState::Fluid } else { FaceState::Unknown };
+                }
+                extrapolate(grid, LAYERS, &mut state[0], &mut before[0], &mut found[0]);
+            },
+        );
     }
 
     /// Depth of each cell below the surface.
@@ -208,6 +244,34 @@ impl<const D: usize> PicSolver<D> {
                 (false, _) => -1.0,
             };
         }
+        if !self.settings.fills_all {
+            self.close_voids();
+        }
+    }
+
+    /// Takes a cell without fluid that has fluid on all sides for fluid: it ran empty because
+    /// particles gather elsewhere, and the pressure of nothing in there would drive them on.
+    fn close_voids(&mut self) {
+        self.voids.clear();
+        for cell in self.grid.all() {
+            let at = self.grid.place(cell);
+            if self.depth[at] > 0.0 || self.fractions.volume[at] == 0.0 {
+                continue;
+            }
+            let mut is_enclosed = true;
+            for a in 0..D {
+                let stride = self.grid.stride[a];
+                for (face, beyond) in [(at, at - stride), (at + stride, at + stride)] {
+                    is_enclosed &= self.fractions.open[a][face] == 0.0 || self.depth[beyond] > 0.0;
+                }
+            }
+            if is_enclosed {
+                self.voids.push(at as u32);
+            }
+        }
+        for &at in &self.voids {
+            self.depth[at as usize] = 1.0;
+        }
     }
 
     /// Where surfaces hold the fluid back: faces in bodies have the bodies' velocity, and faces
@@ -218,20 +282,15 @@ impl<const D: usize> PicSolver<D> {
         }
     }
 
-    /// Forces that need no pressure.
+    /// Forces that need no pressure. Shear comes first: it acts on the velocities that the fluid
+    /// has, not on what it would get if nothing held it up.
     fn accelerate(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let PicSettings { gravity, drive, viscosity, walls, bodies_stick, density, .. } =
             self.settings;
-        for a in 0..D {
-            let gain = dt * (gravity[a] + drive[a]);
-            for (after, before) in self.velocity[a].iter_mut().zip(&self.before[a]) {
-                *after = before + gain;
-            }
+        for (after, before) in self.velocity.iter_mut().zip(&self.before) {
+            after.copy_from_slice(before);
         }
         self.viscosity.clear_loads(self.fractions.at_rest.len() + bodies.len());
-        if viscosity == 0.0 {
-            return;
-        }
         let step = ViscousStep {
             grid: &self.grid,
             fractions: &self.fractions,
@@ -244,7 +303,11 @@ impl<const D: usize> PicSolver<D> {
         };
         for a in 0..D {
             let (carried, velocity) = (&self.is_carried[a], &mut self.velocity[a]);
-            self.viscosity.shear(&mut self.team, self.variant, &step, a, carried, velocity);
+            if viscosity > 0.0 {
+                self.viscosity.shear(&mut self.team, self.variant, &step, a, carried, velocity);
+            }
+            let gain = dt * (gravity[a] + drive[a]);
+            velocity.iter_mut().for_each(|velocity| *velocity += gain);
         }
     }
 
@@ -376,6 +439,7 @@ impl<const D: usize> PicSolver<D> {
             &self.right,
             &mut self.q,
             self.settings.tolerance,
+            self.has_surface,
         )
     }
 
@@ -393,39 +457,18 @@ impl<const D: usize> PicSolver<D> {
 
     /// Takes the pressure's gradient from the velocities, and extrapolates them.
     fn project(&mut self, bodies: &[RigidBody<D>]) {
-        for a in 0..D {
-            let stride = self.grid.stride[a];
-            self.state[a][..stride].fill(FaceState::Unknown);
-            for at in stride..self.grid.stored {
-                let below = at - stride;
-                let open = self.fractions.open[a][at];
-                self.state[a][at] = if self.fractions.is_wall(a, at, below) {
-                    self.velocity[a][at] = 0.0;
-                    FaceState::Wall
-                } else if open == 0.0 {
-                    FaceState::Unknown
-                } else {
-                    match (self.is_wet(below), self.is_wet(at)) {
-                        (true, true) => {
-                            self.velocity[a][at] -= self.q[at] - self.q[below];
-                            FaceState::Fluid
-                        }
-                        (true, false) => {
-                            self.velocity[a][at] += self.q[below] / self.to_surface(below, at);
-                            FaceState::Fluid
-                        }
-                        (false, true) => {
-                            self.velocity[a][at] -= self.q[at] / self.to_surface(at, below);
-                            FaceState::Fluid
-                        }
-                        (false, false) => FaceState::Unknown,
-                    }
-                };
-            }
-            let (state, velocity) = (&mut self.state[a], &mut self.velocity[a]);
-            extrapolate(&self.grid, LAYERS, state, velocity, &mut self.found);
-            hold(&self.grid, &self.fractions, &self.settings, bodies, a, velocity);
-        }
+        let Self { grid, team, velocity, state, found, is_carried, .. } = self;
+        let Self { fractions, settings, q, depth, .. } = self;
+        let gradient = PressureGradient { stride: grid.stride, fractions, settings, q, depth };
+        team.for_pieces(
+            (Cut::every(velocity, 1), Cut::every(state, 1), Cut::every(found, 1)),
+            |a, (velocity, state, found): Projected| {
+                let (velocity, state) = (&mut velocity[0], &mut state[0]);
+                gradient.take(a, &is_carried[a], velocity, state);
+                extrapolate(grid, LAYERS, state, velocity, &mut found[0]);
+                hold(grid, fractions, settings, bodies, a, velocity);
+            },
+        );
     }
 
     /// Moves particles out of solids, along their normals. Most particles are in cells that no
@@ -443,11 +486,80 @@ impl<const D: usize> PicSolver<D> {
                 let Some((height, normal)) = body.height(at, reach) else { continue };
                 if height < margin {
                     at = std::array::from_fn(|a| at[a] + (margin - height) * normal[a]);
+                    if self.is_adrift[particle] {
+                        self.particles.stop_into(particle, normal, body.velocity_at(at));
+                    }
                 }
             }
             for a in 0..D {
                 self.particles.position[a][particle] = at[a];
             }
+        }
+    }
+}
+
+/// Arrays of a component that come from particles.
+type Gathered<'a> = (
+    &'a mut [Vec<f64>],
+    &'a mut [Vec<f64>],
+    &'a mut [Vec<bool>],
+    &'a mut [Vec<FaceState>],
+    &'a mut [ExtrapolationRoom],
+);
+
+/// Arrays of a component that the pressure changes.
+type Projected<'a> = (&'a mut [Vec<f64>], &'a mut [Vec<FaceState>], &'a mut [ExtrapolationRoom]);
+
+/// The pressure, as its gradient is taken from velocities.
+struct PressureGradient<'a, const D: usize> {
+    stride: [usize; D],
+    fractions: &'a OpenFractions<D>,
+    settings: &'a PicSettings<D>,
+    q: &'a [f64],
+    depth: &'a [f64],
+}
+
+impl<const D: usize> PressureGradient<'_, D> {
+    /// Takes it from the faces across an axis, and says what is known of each.
+    fn take(
+        &self,
+        axis: usize,
+        is_carried: &[bool],
+        velocity: &mut [f64],
+        state: &mut [FaceState],
+    ) {
+        let Self { fractions, q, depth, .. } = *self;
+        let stride = self.stride[axis];
+        state[..stride].fill(FaceState::Unknown);
+        for at in stride..velocity.len() {
+            let below = at - stride;
+            if fractions.is_wall(axis, at, below) {
+                velocity[at] = 0.0;
+                state[at] = FaceState::Wall;
+                continue;
+            }
+            let to_surface = |wet: usize, air: usize| {
+                self.settings.surface.distance(depth[wet], depth[air].min(0.0))
+            };
+            let open = fractions.open[axis][at];
+            state[at] = match (depth[below] > 0.0, depth[at] > 0.0) {
+                _ if open < CREVICE => FaceState::Unknown,
+                (true, true) => {
+                    velocity[at] -= q[at] - q[below];
+                    FaceState::Fluid
+                }
+                (true, false) => {
+                    velocity[at] += q[below] / to_surface(below, at);
+                    FaceState::Fluid
+                }
+                (false, true) => {
+                    velocity[at] -= q[at] / to_surface(at, below);
+                    FaceState::Fluid
+                }
+                // Spray: what particles carry there flies on.
+                (false, false) if is_carried[at] => FaceState::Fluid,
+                (false, false) => FaceState::Unknown,
+            };
         }
     }
 }

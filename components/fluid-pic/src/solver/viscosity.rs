@@ -144,7 +144,8 @@ impl<const D: usize> Viscosity<D> {
             }
             let (mut diagonal, mut source) = (1.0, velocity[at]);
             for b in 0..D {
-                for (side, other) in [at - grid.stride[b], at + grid.stride[b]].into_iter().enumerate()
+                for (side, other) in
+                    [at - grid.stride[b], at + grid.stride[b]].into_iter().enumerate()
                 {
                     if is_fluid(other) {
                         diagonal += number;

@@ -70,7 +70,9 @@ fn fills(
     findings: &mut Findings,
 ) -> Option<Vec<Fill>> {
     let all: Vec<_> = (table.fill.iter().enumerate())
-        .map(|(k, fill)| fill_region(scene, fill, &path::item("scene.fluid.fill", k), domain, findings))
+        .map(|(k, fill)| {
+            fill_region(scene, fill, &path::item("scene.fluid.fill", k), domain, findings)
+        })
         .collect();
     all.into_iter().collect()
 }
@@ -121,7 +123,12 @@ fn fill_region(
         findings.problem(at, message);
         return None;
     }
-    Some(Fill { min, max, part: table.part.clone(), velocity: table.velocity.map(|v| v.map(|v| v.0)) })
+    Some(Fill {
+        min,
+        max,
+        part: table.part.clone(),
+        velocity: table.velocity.map(|v| v.map(|v| v.0)),
+    })
 }
 
 /// The axis along which gravity acts downwards, for a level.

@@ -96,6 +96,7 @@ impl<const D: usize> Tank<D> {
             &self.right,
             &mut q,
             Tolerance { relative: 1e-8, absolute: 0.0, iterations: 60 },
+            true,
         );
         (q, outcome)
     }
