@@ -11,7 +11,7 @@ pub fn text(scene: &Scene) -> String {
          lattice  velocity [m/s], pressure [Pa] (gauge, without its hydrostatic part), fill (share of fluid), solid (1 in a solid)\n\
          bodies   id, set, motion (0 free, 1 fixed, 2 prescribed, 3 slider), radius [m], mass [kg], velocity [m/s],\n         \
          angular_velocity [rad/s], orientation (unit quaternion x, y, z, w from body to world)\n         \
-         Spheres: filter Glyph, glyph type Sphere, scale array radius, scale factor 2.\n\
+         Spheres: filter Glyph, glyph type Sphere, scale array radius, scale factor 2; cylinders of a plane scene: glyph type Cylinder.\n\
          parts    velocity [m/s] of points, part (index) of cells\n\
          polyhedra  velocity [m/s] of points, id, set and shape (indices) of cells\n\
          rubber   velocity [m/s] and strain (equivalent shear strain) of points, surface (index) and\n         \

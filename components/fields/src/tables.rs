@@ -32,9 +32,13 @@ pub fn lattice(
     document
 }
 
-/// Spheres as points.
+fn is_round(body: &BodySample) -> bool {
+    matches!(body.shape, BodyEvent::SPHERE | BodyEvent::CYLINDER)
+}
+
+/// Spheres as points, and the cylinders of a plane scene.
 pub fn bodies(at: Moment, bodies: &[BodySample], compression: Compression) -> Document {
-    let spheres: Vec<_> = bodies.iter().filter(|body| body.shape == BodyEvent::SPHERE).collect();
+    let spheres: Vec<_> = bodies.iter().filter(|body| is_round(body)).collect();
     let all = || spheres.iter();
     let count = spheres.len() as i64;
     let mut document = Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);

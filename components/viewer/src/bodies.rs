@@ -1,8 +1,9 @@
-//! Bodies as spheres coloured by their speed.
+//! Bodies as spheres coloured by their speed; in a plane scene as cylinders.
 
 use crate::scale::{GREY, Scale, speed};
 use crate::view::{part, single};
-use rerun::{Color, Points3D, RecordingStream, RecordingStreamResult};
+use rerun::components::FillMode;
+use rerun::{Color, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult};
 use tremie_messages::BodyEvent;
 use tremie_messages::frame::BodySample;
 use tremie_messages::scene::Scene;
@@ -13,12 +14,14 @@ const REPEAT: u32 = 64;
 
 /// Draws bodies, a set at a time.
 pub struct Bodies {
-    sets: Vec<SphereSet>,
+    sets: Vec<RoundSet>,
 }
 
 /// A body set as it was last drawn.
-struct SphereSet {
+struct RoundSet {
     path: String,
+    /// Length of its cylinders, and the turn that takes z to their axis; none of spheres.
+    cylinders: Option<(f32, [f32; 4])>,
     radii: Vec<f32>,
     age: u32,
     shown: bool,
@@ -28,7 +31,10 @@ impl Bodies {
     /// For the body sets of a scene.
     pub fn new(scene: &Scene) -> Self {
         let path = |name: &str| format!("scene/bodies/{}", part(name));
-        Self { sets: scene.bodies.iter().map(|set| SphereSet::new(path(&set.name))).collect() }
+        let cylinders = scene.domain.across.zip(scene.domain.depth());
+        let cylinders = cylinders.map(|(axis, depth)| (depth as f32, to_axis(axis)));
+        let set = |name: &str| RoundSet::new(path(name), cylinders);
+        Self { sets: scene.bodies.iter().map(|own| set(&own.name)).collect() }
     }
 
     /// Draws one moment.
@@ -39,7 +45,7 @@ impl Bodies {
         scale: &Scale,
     ) -> RecordingStreamResult<()> {
         for (k, set) in self.sets.iter_mut().enumerate() {
-            let own = |body: &&BodySample| body.set == k as u32 && is_sphere(body);
+            let own = |body: &&BodySample| body.set == k as u32 && is_round(body);
             set.log(stream, bodies.iter().filter(own), scale)?;
         }
         Ok(())
@@ -50,7 +56,7 @@ impl Bodies {
 pub fn speeds(bodies: &[BodySample]) -> Vec<f32> {
     bodies
         .iter()
-        .filter(|body| !is_fixed(body) && is_sphere(body))
+        .filter(|body| !is_fixed(body) && is_round(body))
         .map(|body| speed(single(body.state.velocity)))
         .collect()
 }
@@ -59,13 +65,13 @@ fn is_fixed(body: &BodySample) -> bool {
     body.motion == BodyEvent::FIXED
 }
 
-fn is_sphere(body: &BodySample) -> bool {
-    body.shape == BodyEvent::SPHERE
+fn is_round(body: &BodySample) -> bool {
+    matches!(body.shape, BodyEvent::SPHERE | BodyEvent::CYLINDER)
 }
 
-impl SphereSet {
-    fn new(path: String) -> Self {
-        Self { path, radii: Vec::new(), age: 0, shown: false }
+impl RoundSet {
+    fn new(path: String, cylinders: Option<(f32, [f32; 4])>) -> Self {
+        Self { path, cylinders, radii: Vec::new(), age: 0, shown: false }
     }
 
     fn log<'a>(
@@ -79,6 +85,14 @@ impl SphereSet {
             return Ok(());
         }
         self.shown = !radii.is_empty();
+        if let Some((length, turn)) = self.cylinders {
+            let cylinders = Cylinders3D::from_lengths_and_radii([length], radii)
+                .with_centers(bodies.clone().map(|body| single(body.state.position)))
+                .with_quaternions([turn])
+                .with_colors(bodies.map(|body| Color::from_u32(colour(body, scale))))
+                .with_fill_mode(FillMode::Solid);
+            return stream.log(self.path.as_str(), &cylinders);
+        }
         let mut points = Points3D::update_fields()
             .with_positions(bodies.clone().map(|body| single(body.state.position)))
             .with_colors(bodies.map(|body| Color::from_u32(colour(body, scale))));
@@ -90,6 +104,12 @@ impl SphereSet {
         }
         stream.log(self.path.as_str(), &points)
     }
+}
+
+/// The turn that takes z to an axis, a unit quaternion.
+fn to_axis(axis: usize) -> [f32; 4] {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    [[0.0, half, 0.0, half], [-half, 0.0, 0.0, half], [0.0, 0.0, 0.0, 1.0]][axis]
 }
 
 fn colour(body: &BodySample, scale: &Scale) -> u32 {

@@ -92,7 +92,14 @@ impl Isosurface {
             let unit = Vec3::from(n.map(f64::from)).try_normalize(0.0);
             single(unit.unwrap_or(Vec3::z()))
         });
-        let places = self.found.positions.iter().map(|at| single(field.position(*at)));
+        let flat = flat_axis(field.count());
+        let places = self.found.positions.iter().map(|at| {
+            let mut at = *at;
+            if let Some(axis) = flat {
+                at[axis] -= 1.0;
+            }
+            single(field.position(at))
+        });
         let triangles = self.found.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
         let mesh = Mesh3D::new(places)
             .with_vertex_normals(normals)
@@ -105,16 +112,39 @@ impl Isosurface {
 
     /// Finds the surface, by surface nets (Gibson, MERL report TR99-24, 1999).
     fn find(&mut self, field: &Field<'_>) {
-        let count = field.count();
-        if count.iter().any(|n| *n < 2) {
-            // A layer has no surface; nothing was found before either.
+        let mut count = field.count();
+        let flat = flat_axis(count);
+        if (0..3).any(|a| count[a] < 2 && flat != Some(a)) {
+            // A row or a point has no surface; nothing was found before either.
             return;
         }
         fill(&mut self.values, field, self.level);
+        if let Some(axis) = flat {
+            repeat(&mut self.values, count, axis);
+            count[axis] = LAYERS;
+        }
         let shape = RuntimeShape::<u32, 3>::new(count.map(|n| n as u32));
         debug_assert_eq!(shape.size() as usize, self.values.len());
         let last = count.map(|n| n as u32 - 1);
         surface_nets(&self.values, &shape, [0; 3], last, &mut self.found);
+    }
+}
+
+/// Layers that stand for one: then its surface is a strip, as wide as the layer is deep.
+const LAYERS: usize = 3;
+
+/// The axis along which a field is a single layer.
+fn flat_axis(count: [usize; 3]) -> Option<usize> {
+    let mut flat = (0..3).filter(|&a| count[a] == 1);
+    flat.next().filter(|_| flat.next().is_none())
+}
+
+/// Repeats a single layer across an axis.
+fn repeat(values: &mut Vec<f32>, count: [usize; 3], axis: usize) {
+    let stride: usize = count[..axis].iter().product();
+    let layer = std::mem::take(values);
+    for row in layer.chunks_exact(stride) {
+        (0..LAYERS).for_each(|_| values.extend_from_slice(row));
     }
 }
 

@@ -46,8 +46,8 @@ pub struct BodyEvent {
     pub id: u64,
     /// Kind of event: [`BodyEvent::ADDED`] or [`BodyEvent::REMOVED`].
     pub kind: u32,
-    /// Shape of an added body: [`BodyEvent::SPHERE`], [`BodyEvent::PART`] or
-    /// [`BodyEvent::POLYHEDRON`].
+    /// Shape of an added body: [`BodyEvent::SPHERE`], [`BodyEvent::PART`],
+    /// [`BodyEvent::POLYHEDRON`] or [`BodyEvent::CYLINDER`].
     pub shape: u32,
     /// Motion of an added body: [`BodyEvent::FREE`], [`BodyEvent::FIXED`],
     /// [`BodyEvent::PRESCRIBED`] or [`BodyEvent::SLIDER`].
@@ -58,7 +58,7 @@ pub struct BodyEvent {
     pub mass: f64,
     /// Size of the shape [m]: `[radius, 0, 0]` for a sphere; for a part the radius about its
     /// reference point that holds it; for a polyhedron that radius, and the diameter of a sphere of
-    /// equal volume.
+    /// equal volume; for a cylinder its radius and its length.
     pub size: [f64; 3],
     /// Index into the scene's list of parts, for a part, or of shapes, for a polyhedron; else 0.
     pub table: u64,
@@ -75,6 +75,8 @@ impl BodyEvent {
     pub const PART: u32 = 2;
     /// A convex polyhedron of a shape of the scene.
     pub const POLYHEDRON: u32 = 3;
+    /// A cylinder across the plane of a plane scene.
+    pub const CYLINDER: u32 = 4;
     /// Moves under forces.
     pub const FREE: u32 = 0;
     /// Never moves.

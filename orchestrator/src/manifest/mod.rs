@@ -141,7 +141,7 @@ impl Manifest {
     }
 
     /// The key of the manifest for one of the scene: bodies have their `placement` by `packing`,
-    /// `spheres` or `polyhedra` there.
+    /// `spheres`, `cylinders` or `polyhedra` there.
     fn written(&self, key: &str) -> String {
         let names = [
             (".placement.polyhedra.placement.packed", ".packing"),
@@ -153,9 +153,11 @@ impl Manifest {
         let key = names
             .iter()
             .fold(key.to_string(), |key, (of_scene, own)| key.replacen(of_scene, own, 1));
-        let either =
-            ["packing", "spheres", "polyhedra"].map(|word| key.replacen("placement", word, 1));
-        either.into_iter().find(|either| self.source.knows(either)).unwrap_or(key)
+        let words = ["packing", "spheres", "cylinders", "polyhedra"];
+        let either = words.map(|word| key.replacen("placement", word, 1));
+        // What is listed may be cylinders.
+        let listed = [key.replacen(".spheres", ".cylinders", 1)];
+        either.into_iter().chain(listed).find(|either| self.source.knows(either)).unwrap_or(key)
     }
 
     /// Key under which a key that the manifest does not hold would be written: in the component's

@@ -206,7 +206,8 @@ fn fill_bodies(
     // Of a wrong density its material is told, not each set of it.
     let density = material.and_then(|material| material.density).filter(|density| density.0 > 0.0);
     set.density = set.density.or(density);
-    for sphere in set.spheres.iter_mut().flatten() {
+    let listed = [&mut set.spheres, &mut set.cylinders];
+    for sphere in listed.into_iter().flatten().flatten() {
         sphere.velocity.get_or_insert([Velocity(0.0); 3]);
         sphere.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
     }

@@ -16,10 +16,11 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// A plane through the first listed sphere, or the middle of the domain, that contains gravity
-    /// and is normal to a horizontal axis.
+    /// The plane of a plane scene; else one through the first listed sphere, or the middle of the
+    /// domain, that contains gravity and is normal to a horizontal axis.
     pub fn of(scene: &Scene) -> Self {
-        let axis = if scene.gravity[1].abs() > scene.gravity[2].abs() { 2 } else { 1 };
+        let level = if scene.gravity[1].abs() > scene.gravity[2].abs() { 2 } else { 1 };
+        let axis = scene.domain.across.unwrap_or(level);
         let first = scene.bodies.iter().find_map(|set| match &set.placement {
             Placement::Listed(spheres) => spheres.first().map(|sphere| sphere.position[axis]),
             Placement::Packed(_) | Placement::Polyhedra(_) => None,
@@ -54,7 +55,9 @@ impl Cut {
         for (node, at) in nodes.iter_mut().zip(layer) {
             *node = fluid.node(at);
         }
-        corner[axis] += ((position - corner[axis]) / cell).round() * cell;
+        if cells[axis] > 1 {
+            corner[axis] += ((position - corner[axis]) / cell).round() * cell;
+        }
         let mut step = [[0.0; 3]; 2];
         (step[0][fast], step[1][slow]) = (cell, cell);
         let count = [cells[fast], cells[slow]].map(|n| n as u64);

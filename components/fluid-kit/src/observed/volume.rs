@@ -7,18 +7,29 @@ use tremie_messages::start::{VolumeGrid, VolumeSpec};
 
 /// What the start contract says of all cells of a scene.
 pub fn volume_spec(name: &str, scene: &Scene, cell: f64, cells: [usize; 3]) -> VolumeSpec {
+    let step = steps(scene, cell);
     VolumeSpec {
         name: name.into(),
-        origin: scene.domain.min.map(|x| x + 0.5 * cell),
-        step: [cell; 3],
+        origin: std::array::from_fn(|a| scene.domain.min[a] + 0.5 * step[a]),
+        step,
         count: cells.map(|n| n as u64),
     }
 }
 
-/// Fills `nodes` with the cells of an edge [m] that an observer asked for.
+/// Steps from cell to cell along each axis [m]: across a plane scene its depth.
+pub fn steps(scene: &Scene, cell: f64) -> [f64; 3] {
+    let mut steps = [cell; 3];
+    if let (Some(axis), Some(depth)) = (scene.domain.across, scene.domain.depth()) {
+        steps[axis] = depth;
+    }
+    steps
+}
+
+/// Fills `nodes` with the cells that an observer asked for; `step` leads from cell to cell along
+/// each axis [m].
 pub fn fill_volume(
     fluid: &impl ObservedCells,
-    cell: f64,
+    step: [f64; 3],
     grid: &VolumeGrid,
     nodes: &mut [SliceNode],
 ) -> VolumeHeader {
@@ -30,7 +41,7 @@ pub fn fill_volume(
     }
     VolumeHeader {
         origin: fluid.centre(grid.first.map(|n| n as usize)),
-        step: [cell * grid.stride as f64; 3],
+        step: step.map(|step| step * grid.stride as f64),
         count: grid.count,
         ..VolumeHeader::default()
     }

@@ -227,6 +227,6 @@ impl Fluid for LbmComponent {
     }
 
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
-        fill_volume(&self.fluid, self.cell, grid, nodes)
+        fill_volume(&self.fluid, [self.cell; 3], grid, nodes)
     }
 }

@@ -50,6 +50,15 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
             .help("leave the regions out, or take a fluid with a surface: fluid = \"fluid-pic\""),
         );
     }
+    if scene.domain.across.is_some() {
+        problems.push(
+            Problem::new(
+                "scene.domain.across",
+                "the scene is plane, but the lattice-Boltzmann fluid knows scenes in space only",
+            )
+            .help("leave it out and take spheres, or take fluid = \"fluid-pic\""),
+        );
+    }
     check_domain(&scene.domain, problems);
     check_open(scene, problems);
     check_reservoirs(scene, problems);

@@ -7,7 +7,7 @@ use crate::report::findings::{findings, limits};
 use std::collections::BTreeMap;
 use tremie_fluid_kit::observed::cut::Cut;
 use tremie_fluid_kit::observed::observed_cells::ObservedCells;
-use tremie_fluid_kit::observed::volume::{fill_volume, volume_spec};
+use tremie_fluid_kit::observed::volume::{fill_volume, steps, volume_spec};
 use tremie_fluid_kit::window::fluid_signals::walls;
 use tremie_fluid_kit::window::part_loads::PartLoads;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
@@ -18,14 +18,32 @@ use tremie_sdk::{Fluid, Setup, SolverError};
 
 /// The particle fluid behind the sdk's interface.
 pub struct PicComponent {
-    fluid: PicFluid<3>,
+    fluid: AnyFluid,
     cut: Cut,
+    /// Steps from cell to cell along each axis [m].
+    steps: [f64; 3],
     /// Edge of a cell [m].
     cell: f64,
     on_parts: Vec<Load>,
     parts: PartLoads,
     /// Faces whose forces are signals.
     walls: Vec<(usize, usize)>,
+}
+
+/// The fluid of a scene in space, or of a plane one.
+enum AnyFluid {
+    Space(Box<PicFluid<3>>),
+    Plane(Box<PicFluid<2>>),
+}
+
+/// Calls a method of whichever fluid is inside.
+macro_rules! fluid {
+    ($component:expr, $fluid:ident => $call:expr) => {
+        match &mut $component.fluid {
+            AnyFluid::Space($fluid) => $call,
+            AnyFluid::Plane($fluid) => $call,
+        }
+    };
 }
 
 /// Name of the cut.
@@ -106,9 +124,16 @@ impl Fluid for PicComponent {
         let scene = &setup.hello.scene;
         let step = setup.assigned()?.step;
         let threads = setup.hello.threads.max(1) as usize;
+        let is_plane = scene.domain.across.is_some();
+        let fluid = if is_plane {
+            AnyFluid::Plane(Box::new(PicFluid::plane(scene, &parameters, step, threads)?))
+        } else {
+            AnyFluid::Space(Box::new(PicFluid::new(scene, &parameters, step, threads)?))
+        };
         Ok(Self {
-            fluid: PicFluid::new(scene, &parameters, step, threads)?,
+            fluid,
             cut: Cut::of(scene),
+            steps: steps(scene, parameters.cell.0),
             cell: parameters.cell.0,
             on_parts: Vec::new(),
             parts: PartLoads::new(scene),
@@ -117,13 +142,13 @@ impl Fluid for PicComponent {
     }
 
     fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
-        self.fluid.apply_events(events).map_err(SolverError::from_error)?;
+        fluid!(self, fluid => fluid.apply_events(events)).map_err(SolverError::from_error)?;
         self.parts.apply(events);
         Ok(())
     }
 
     fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
-        self.fluid.start(bodies, loads).map_err(SolverError::from_error)?;
+        fluid!(self, fluid => fluid.start(bodies, loads)).map_err(SolverError::from_error)?;
         self.parts.note(loads);
         Ok(())
     }
@@ -134,36 +159,40 @@ impl Fluid for PicComponent {
         bodies: &[BodyState],
         loads: &mut [Load],
     ) -> Result<(), SolverError> {
-        self.fluid.advance(substeps, bodies, loads).map_err(SolverError::from_error)?;
+        fluid!(self, fluid => fluid.advance(substeps, bodies, loads))
+            .map_err(SolverError::from_error)?;
         self.parts.note(loads);
         Ok(())
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
-        push(&OF_FLUID, &self.fluid.state(), values);
-        let forces = self.fluid.wall_forces();
+        push(&OF_FLUID, &fluid!(self, fluid => fluid.state()), values);
+        let forces = fluid!(self, fluid => fluid.wall_forces());
         for &(axis, side) in &self.walls {
             push(&OF_WALLS, &forces[axis][side], values);
         }
-        self.fluid.loads_at_rest(&mut self.on_parts);
+        fluid!(self, fluid => fluid.loads_at_rest(&mut self.on_parts));
         for load in self.parts.loads(&self.on_parts) {
             push(&OF_PARTS, load, values);
         }
     }
 
     fn sampled(&mut self, values: &mut Vec<f64>) {
-        self.fluid.probes(values);
+        fluid!(self, fluid => fluid.probes(values));
     }
 
     fn work(&self) -> u64 {
-        self.fluid.wet_cells() as u64
+        match &self.fluid {
+            AnyFluid::Space(fluid) => fluid.wet_cells() as u64,
+            AnyFluid::Plane(fluid) => fluid.wet_cells() as u64,
+        }
     }
 
     fn slice(&mut self, _name: &str, nodes: &mut [frame::SliceNode]) -> SliceHeader {
-        self.cut.fill(&self.fluid, self.cell, nodes)
+        fluid!(self, fluid => self.cut.fill(&**fluid, self.cell, nodes))
     }
 
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
-        fill_volume(&self.fluid, self.cell, grid, nodes)
+        fluid!(self, fluid => fill_volume(&**fluid, self.steps, grid, nodes))
     }
 }

@@ -13,7 +13,7 @@ use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::seeding::seed;
 use crate::pressure::body_coupling::Wrench;
 use crate::pressure::conjugate_gradients::{PressureOutcome, Tolerance};
-use crate::report::resolution::{FillRegions, Resolution};
+use crate::report::resolution::{FillRegions, Resolution, flattened};
 use crate::solids::rigid_body::{Freedom, RigidBody};
 use crate::solids::section::Section;
 use crate::solver::loads::FluidSums;
@@ -23,7 +23,7 @@ use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::probes::probe_plan::{ProbePlan, ProbeSum};
 use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
-use tremie_messages::scene::{Face, ProbeShape, Scene};
+use tremie_messages::scene::{Domain, Face, ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_team::Team;
 
@@ -106,6 +106,33 @@ impl PicFluid<3> {
             (Section::SPACE, 1.0),
             (time_step, threads),
         )
+    }
+}
+
+impl PicFluid<2> {
+    /// As [`PicFluid::new`], for a plane scene.
+    ///
+    /// # Errors
+    /// Every problem of parameters and scene.
+    pub fn plane(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+    ) -> Result<Self, Vec<Problem>> {
+        let Domain { min, max, across, .. } = &scene.domain;
+        let (Some(across), Some(depth)) = (*across, scene.domain.depth()) else {
+            return Err(vec![Problem::new(
+                "scene.domain.across",
+                "is missing: this is no plane scene",
+            )]);
+        };
+        let axes = [[1, 2], [0, 2], [0, 1]][across];
+        let through = std::array::from_fn(|a| 0.5 * (min[a] + max[a]));
+        let (resolution, ground) = parameters.survey(scene)?;
+        let flat = flattened(scene, resolution.cell);
+        let section = (Section { axes, through }, depth);
+        Self::on(&flat, parameters, &resolution, &ground, section, (time_step, threads))
     }
 }
 
@@ -335,7 +362,7 @@ impl<const D: usize> PicFluid<D> {
 
     /// Appends the values of the scene's probes.
     pub fn probes(&mut self, out: &mut Vec<f64>) {
-        let Self { solver, section, probes, reader, dt, .. } = self;
+        let Self { solver, section, probes, reader, dt, depth, .. } = self;
         let cells = solver.grid.cells;
         let count = |axis: usize| {
             section.axes.iter().position(|&own| own == axis).map_or(1, |a| cells[a] as i32)
@@ -356,8 +383,11 @@ impl<const D: usize> PicFluid<D> {
                 }
             }
         });
-        let (h, density) = (solver.grid.spacing, solver.density());
-        probes.tell(|_, shape, sum| append(shape, &values(shape, sum, h, density), out));
+        // Of the face of a cell across a section.
+        let h = solver.grid.spacing;
+        let area = if D == 2 { h * *depth } else { h * h };
+        let density = solver.density();
+        probes.tell(|_, shape, sum| append(shape, &values(shape, sum, area, density), out));
     }
 
     /// Cells of the box along the world's axes.
@@ -416,9 +446,9 @@ fn part_way(before: &BodyState, after: &BodyState, part: f64, window: f64) -> Bo
 }
 
 /// Values of a probe.
-fn values(shape: &ProbeShape, sum: &ProbeSum, h: f64, density: f64) -> ProbeValues {
+fn values(shape: &ProbeShape, sum: &ProbeSum, area: f64, density: f64) -> ProbeValues {
     let across = if let ProbeShape::Section { axis, .. } = shape { *axis } else { 0 };
-    let flow_rate = sum.velocity[across] * h * h;
+    let flow_rate = sum.velocity[across] * area;
     ProbeValues {
         pressure: sum.mean(sum.pressure),
         velocity: sum.velocity.map(|u| sum.mean(u)),

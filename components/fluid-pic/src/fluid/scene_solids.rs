@@ -149,7 +149,12 @@ impl<const D: usize> SceneSolids<D> {
         let frame = Frame::of(&Pose { position: state.position, orientation: state.orientation });
         let table = usize::try_from(event.table).unwrap_or(usize::MAX);
         let shape = match event.shape {
-            BodyEvent::SPHERE => BodyShape::Ball(event.size[0]),
+            BodyEvent::SPHERE if D == 3 => BodyShape::Ball(event.size[0]),
+            BodyEvent::CYLINDER if D == 2 => BodyShape::Ball(event.size[0]),
+            BodyEvent::SPHERE => return Err(wrong("it is a sphere, and the scene is plane")),
+            BodyEvent::CYLINDER => {
+                return Err(wrong("it is a cylinder, and the scene is in space"));
+            }
             BodyEvent::PART => {
                 let part = self.parts.get(table).and_then(Option::as_ref);
                 let part = part.ok_or_else(|| wrong("it is no part that moves"))?;
@@ -173,7 +178,7 @@ impl<const D: usize> SceneSolids<D> {
         body.spin = self.section.turn(state.angular_velocity);
         let mass = event.mass / self.depth;
         Ok(match event.motion {
-            BodyEvent::FREE if event.shape == BodyEvent::SPHERE => body.with_mass(mass),
+            BodyEvent::FREE if body.is_round() => body.with_mass(mass),
             BodyEvent::FREE => {
                 body.freedom =
                     Freedom::Free { mass, inverse_inertia: self.inverse_inertia(event, &frame) };

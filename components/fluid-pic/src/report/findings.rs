@@ -1,7 +1,7 @@
 //! Findings: what the numbers of a run mean for its results.
 
 use crate::domain::parameters::Parameters;
-use crate::report::resolution::Resolution;
+use crate::report::resolution::{Resolution, dimensions};
 use tremie_fluid_kit::checks::cell_findings::CellFindings;
 use tremie_messages::finding::short;
 use tremie_messages::scene::Scene;
@@ -25,12 +25,16 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
                     short(resolution.time_step * 0.5 / courant)
                 ),
             ),
-        Finding::new("particles in a cell", parameters.particles_per_axis.pow(3) as f64, "1")
-            .doubtful_if(
-                parameters.particles_per_axis < 2,
-                "with one particle along an axis cells run empty at random",
-                "particles_per_axis = 2",
-            ),
+        Finding::new(
+            "particles in a cell",
+            parameters.particles_per_axis.pow(dimensions(scene)) as f64,
+            "1",
+        )
+        .doubtful_if(
+            parameters.particles_per_axis < 2,
+            "with one particle along an axis cells run empty at random",
+            "particles_per_axis = 2",
+        ),
     ];
     if !resolution.fills_all {
         all.push(

@@ -10,7 +10,7 @@ use tremie_fluid_kit::checks::part_extent::{PartExtent, thin_parts};
 use tremie_fluid_kit::checks::smallest_body::{smallest_diameter, thinnest_width};
 use tremie_fluid_kit::survey::static_geometry::{GridAxes, StaticGeometry};
 use tremie_messages::Problem;
-use tremie_messages::scene::{Fill, Scene};
+use tremie_messages::scene::{Face, Fill, Scene};
 
 /// Reynolds number of a cell below which cells resolve the layer beside a wall.
 const RESOLVED_LAYER: f64 = 20.0;
@@ -92,9 +92,11 @@ impl Parameters {
             return Err(problems);
         }
         let h = self.cell.0;
+        let flat = flattened(scene, h);
+        let scene = &flat;
         let cells = whole_cells(&scene.domain, h, &mut problems);
-        let stored: f64 = cells.iter().map(|&n| n as f64 + 2.0).product();
-        let per_cell = self.particles_per_axis.pow(3) as f64;
+        let per_cell = self.particles_per_axis.pow(dimensions(scene)) as f64;
+        let stored = stored_cells(cells, scene) as f64;
         let memory = stored * (BYTES_PER_CELL as f64 + per_cell * BYTES_PER_PARTICLE as f64);
         if stored > MOST_CELLS || memory > MEMORY_LIMIT as f64 {
             let found = format!(
@@ -138,8 +140,8 @@ impl Parameters {
         let sticks =
             self.walls.map_or(cell_reynolds < RESOLVED_LAYER, |walls| walls == WallName::Stick);
         let diameter = smallest_diameter(scene);
-        let per_cell = self.particles_per_axis.pow(3) as u64;
-        let stored: u64 = cells.iter().map(|&n| n as u64 + 2).product();
+        let per_cell = self.particles_per_axis.pow(dimensions(scene)) as u64;
+        let stored = stored_cells(cells, scene);
         let particles = wet.cells * per_cell;
         let free = |set: &&tremie_messages::scene::BodySet| {
             set.motion == tremie_messages::scene::Motion::Free
@@ -150,7 +152,11 @@ impl Parameters {
             .filter(free)
             .map(|set| set.density / fluid.density)
             .reduce(f64::min);
-        let [narrowest_gap, narrowest_film] = narrowest(scene, ground);
+        // These look at bodies and parts as things in space.
+        let is_plane = scene.domain.across.is_some();
+        let [narrowest_gap, narrowest_film] =
+            if is_plane { [None, None] } else { narrowest(scene, ground) };
+        let thin_parts = if is_plane { Vec::new() } else { thin_parts(scene, ground) };
         let mut notes = ground.notes();
         let walls = if sticks { "hold the fluid back" } else { "let the fluid slip" };
         notes.push(format!(
@@ -169,7 +175,7 @@ impl Parameters {
             cell_reynolds,
             cells_per_smallest_sphere: diameter.map(|d| d / h),
             cells_per_thinnest_polyhedron: thinnest_width(scene).map(|width| width / h),
-            thin_parts: thin_parts(scene, ground),
+            thin_parts,
             narrowest_gap,
             narrowest_film,
             lightest_body,
@@ -177,6 +183,29 @@ impl Parameters {
             notes,
         })
     }
+}
+
+/// Axes of a scene's grid.
+pub fn dimensions(scene: &Scene) -> u32 {
+    if scene.domain.across.is_some() { 2 } else { 3 }
+}
+
+fn stored_cells(cells: [usize; 3], scene: &Scene) -> u64 {
+    let across = scene.domain.across;
+    (0..3).filter(|&a| across != Some(a)).map(|a| cells[a] as u64 + 2).product()
+}
+
+/// A plane scene as a layer of cells of an edge [m], about the middle of its depth; another as it
+/// is.
+pub fn flattened(scene: &Scene, cell: f64) -> Scene {
+    let mut flat = scene.clone();
+    if let Some(axis) = scene.domain.across {
+        let domain = &mut flat.domain;
+        let middle = 0.5 * (domain.min[axis] + domain.max[axis]);
+        (domain.min[axis], domain.max[axis]) = (middle - 0.5 * cell, middle + 0.5 * cell);
+        domain.faces[axis] = [Face::Symmetry, Face::Symmetry];
+    }
+    flat
 }
 
 /// Cells that hold fluid at the start.

@@ -117,6 +117,8 @@ pub(crate) struct PlacedSphere {
     pub twist: Twist,
     /// Mass [kg].
     pub mass: f64,
+    /// Length of a cylinder across a plane scene [m]; none of a sphere.
+    pub length: Option<f64>,
     /// Its share of the union of its clump's bodies, where that is what the clump is; the mass is
     /// that of the share.
     pub share: Option<Share>,
@@ -157,6 +159,7 @@ impl PlacedSphere {
             inverse_mass: 1.0 / self.mass,
             inverse_inertia: match self.solid {
                 Some(_) => 0.0,
+                None if self.length.is_some() => 1.0 / (0.5 * self.mass * radius * radius),
                 None => 1.0 / (0.4 * self.mass * radius * radius),
             },
             clump: ALONE,
@@ -405,6 +408,7 @@ mod tests {
     #[test]
     fn bodies_keep_their_ids_in_another_order() {
         let sphere = |k: f64| PlacedSphere {
+            length: None,
             ball: BoundingSphere { x: Vec3::repeat(k), radius: k },
             solid: None,
             twist: Twist { v: Vec3::repeat(-k), w: Vec3::zeros() },

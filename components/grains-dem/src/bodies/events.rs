@@ -28,7 +28,11 @@ pub(crate) fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
     BodyEvent {
         id,
         kind: BodyEvent::ADDED,
-        shape: sphere.solid.map_or(BodyEvent::SPHERE, |_| BodyEvent::POLYHEDRON),
+        shape: match (sphere.solid, sphere.length) {
+            (Some(_), _) => BodyEvent::POLYHEDRON,
+            (None, Some(_)) => BodyEvent::CYLINDER,
+            (None, None) => BodyEvent::SPHERE,
+        },
         motion: match sphere.motion {
             Motion::Free => BodyEvent::FREE,
             Motion::Fixed => BodyEvent::FIXED,
@@ -37,7 +41,11 @@ pub(crate) fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
         },
         set: sphere.set as u32,
         mass: sphere.mass,
-        size: [sphere.ball.radius, sphere.solid.map_or(0.0, |solid| solid.size), 0.0],
+        size: [
+            sphere.ball.radius,
+            sphere.solid.map(|solid| solid.size).or(sphere.length).unwrap_or(0.0),
+            0.0,
+        ],
         table: sphere.solid.map_or(0, |solid| u64::from(solid.shape)),
     }
 }

@@ -35,9 +35,12 @@ impl Wall {
 /// Number of each wall's law with each material: `of[wall][material]`.
 pub(crate) type WallLaws = Vec<Vec<u16>>;
 
-/// True if a face of the domain is a wall or symmetry plane: neither periodic nor an outlet.
+/// True if a face of the domain is a wall or symmetry plane: neither periodic nor an outlet, nor
+/// across a plane scene, in which nothing moves that way.
 fn holds(scene: &Scene, axis: usize, side: usize) -> bool {
-    scene.domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
+    scene.domain.across != Some(axis)
+        && scene.domain.faces[axis][side] != Face::Periodic
+        && !scene.is_way_out(axis, side)
 }
 
 /// Axis and side of the domain's faces that hold grains, in the order of their walls.

@@ -80,7 +80,7 @@ fn meets(
         problems.push(Problem::new("scene.contacts", message).help(help));
         return;
     };
-    let Some((mass, radius)) = BodyStatistics::lightest(set, whole) else { return };
+    let Some((mass, radius)) = BodyStatistics::lightest(scene, set, whole) else { return };
     let speed = slowest(scene);
     let pair = Reduced { root_mass: mass.sqrt(), radius };
     let law = Law::new(law);

@@ -124,7 +124,7 @@ impl<'a> BodyStatistics<'a> {
             let kind = all.kinds.iter_mut().find(|kind| kind.material == material);
             let Some(kind) = kind else { continue };
             for d in random_packing::diameters_of(set) {
-                let alone = LightestBody::alone(placement::mass(set.density, d), 0.5 * d);
+                let alone = LightestBody::alone(placement::mass_in(scene, set.density, d), 0.5 * d);
                 let joined = |Whole { number, mass, felt }| LightestBody {
                     mass,
                     felt,
@@ -142,7 +142,7 @@ impl<'a> BodyStatistics<'a> {
             let Some(kind) = all.kinds.iter_mut().find(of_set) else { continue };
             // Two of each, which may meet.
             for d in inlet.diameters.extremes().into_iter().flat_map(|d| [d, d]) {
-                let grain = LightestBody::alone(placement::mass(set.density, d), 0.5 * d);
+                let grain = LightestBody::alone(placement::mass_in(scene, set.density, d), 0.5 * d);
                 kind.add(grain, set.motion == Motion::Free);
                 all.fed += 1;
             }
@@ -152,9 +152,9 @@ impl<'a> BodyStatistics<'a> {
     }
 
     /// Mass that a contact of a set's smallest body has to move, at least [kg], and its radius [m].
-    pub fn lightest(set: &BodySet, whole: Option<Whole>) -> Option<(f64, f64)> {
+    pub fn lightest(scene: &Scene, set: &BodySet, whole: Option<Whole>) -> Option<(f64, f64)> {
         let smallest = random_packing::diameters_of(set).into_iter().reduce(f64::min)?;
-        let own = placement::mass(set.density, smallest);
+        let own = placement::mass_in(scene, set.density, smallest);
         Some((whole.map_or(own, |whole| whole.felt), 0.5 * smallest))
     }
 

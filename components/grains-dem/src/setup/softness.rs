@@ -344,7 +344,7 @@ fn highest_fall(scene: &Scene, down: usize) -> f64 {
     let mut layers: Vec<Layer> = Vec::new();
     for set in scene.bodies.iter().filter(|set| set.motion == Motion::Free) {
         let mut ball = |x: f64, d: f64| {
-            let volume = PI / 6.0 * d * d * d;
+            let volume = domain.body_volume(d);
             layers.push(Layer { bottom: height(x) - 0.5 * d, top: 0.0, volume });
         };
         let packing = match &set.placement {

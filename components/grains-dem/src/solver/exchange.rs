@@ -95,6 +95,7 @@ impl GrainsDem {
     fn place(&self, added: &AddedSphere) -> PlacedSphere {
         let x = self.around.bounds.wrap(added.position.into());
         PlacedSphere {
+            length: None,
             ball: BoundingSphere { x, radius: 0.5 * added.diameter },
             solid: None,
             twist: Twist { v: added.velocity.into(), w: Vec3::zeros() },

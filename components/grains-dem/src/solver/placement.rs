@@ -22,6 +22,20 @@ pub(crate) fn mass(density: f64, diameter: f64) -> f64 {
     density * (PI / 6.0 * diameter * diameter * diameter)
 }
 
+/// Mass of a round body of a scene [kg]: of a sphere, in a plane of a cylinder.
+pub(crate) fn mass_in(scene: &Scene, density: f64, diameter: f64) -> f64 {
+    density * scene.domain.body_volume(diameter)
+}
+
+/// Makes cylinders of the bodies of a plane scene.
+fn lengthen(scene: &Scene, placed: &mut [PlacedSphere]) {
+    let Some(depth) = scene.domain.depth() else { return };
+    for body in placed {
+        body.length = Some(depth);
+        body.mass = mass_in(scene, scene.bodies[body.set].density, 2.0 * body.ball.radius);
+    }
+}
+
 /// Width of the spheres around the bodies of a set, over the diameters of spheres of equal volume.
 pub(crate) fn around(scene: &Scene, set: &BodySet) -> f64 {
     shape_of(scene, set).map_or(1.0, |(_, around)| around)
@@ -71,6 +85,7 @@ pub(crate) fn listed(scene: &Scene) -> Vec<PlacedSphere> {
     let sets = scene.bodies.iter().enumerate();
     let mut placed =
         sets.flat_map(|(set, bodies)| listed_of(set, bodies, scene)).collect::<Vec<_>>();
+    lengthen(scene, &mut placed);
     join(scene, &mut placed);
     placed
 }
@@ -173,6 +188,7 @@ pub(crate) fn place(
             },
         }
     }
+    lengthen(scene, &mut placed);
     join(scene, &mut placed);
     if problems.is_empty() { Ok(placed) } else { Err(problems) }
 }
@@ -211,6 +227,7 @@ fn at_rest(set: usize, bodies: &BodySet, ball: BoundingSphere) -> PlacedSphere {
     PlacedSphere {
         ball,
         solid: None,
+        length: None,
         twist: Twist::zero(),
         mass: mass(bodies.density, 2.0 * ball.radius),
         share: None,

@@ -3,6 +3,7 @@
 use super::course::Course;
 use super::fill::Fill;
 use super::reservoir::Reservoir;
+use core::f64::consts::PI;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,10 @@ pub struct Domain {
     pub faces: [[Face; 2]; 3],
     /// Material of the faces, for contacts of grains.
     pub material: String,
+    /// The axis across a plane scene, along which nothing varies. Round bodies are then cylinders
+    /// across the plane, as long as the domain is deep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub across: Option<usize>,
 }
 
 impl Domain {
@@ -26,12 +31,25 @@ impl Domain {
 
     /// A box with the given faces, of the usual material.
     pub fn new(min: [f64; 3], max: [f64; 3], faces: [[Face; 2]; 3]) -> Self {
-        Self { min, max, faces, material: Self::MATERIAL.into() }
+        Self { min, max, faces, material: Self::MATERIAL.into(), across: None }
     }
 
     /// Edge lengths [m].
     pub fn size(&self) -> [f64; 3] {
         std::array::from_fn(|a| self.max[a] - self.min[a])
+    }
+
+    /// Depth of a plane scene [m].
+    pub fn depth(&self) -> Option<f64> {
+        self.across.map(|axis| self.size()[axis])
+    }
+
+    /// Volume of a round body of a diameter [m³]: of a sphere, in a plane scene of a cylinder.
+    pub fn body_volume(&self, diameter: f64) -> f64 {
+        match self.depth() {
+            Some(depth) => 0.25 * PI * diameter * diameter * depth,
+            None => PI / 6.0 * diameter * diameter * diameter,
+        }
     }
 
     /// True if the axis wraps around.

@@ -98,7 +98,8 @@ pub(super) fn followed(tables: &[BodiesTable], findings: &mut Findings) -> Optio
     let mut names = Vec::new();
     let mut right = true;
     for (i, table) in tables.iter().enumerate().filter(|(_, table)| table.follow == Some(true)) {
-        let count = match (&table.spheres, &table.polyhedra) {
+        let round = table.spheres.as_ref().or(table.cylinders.as_ref());
+        let count = match (round, &table.polyhedra) {
             (Some(list), _) => list.len(),
             (_, Some(list)) => list.len(),
             (None, None) => usize::MAX,
@@ -174,15 +175,23 @@ fn placement(
     at: &str,
     findings: &mut Findings,
 ) -> Option<Placement> {
-    match (&table.spheres, &table.polyhedra, &table.packing) {
+    let key = if table.cylinders.is_some() { "cylinders" } else { "spheres" };
+    if table.cylinders.is_some() && table.spheres.is_some() {
+        let message = "found both spheres and cylinders, expected one of them";
+        findings.problem(&path::join(at, key), message);
+        return None;
+    }
+    let round = table.cylinders.as_ref().or(table.spheres.as_ref());
+    match (round, &table.polyhedra, &table.packing) {
         (None, Some(list), None) => polyhedra::listed(table, list, shapes, at, findings),
         (Some(_), None, None) if table.shape.is_some() => {
-            let message = "found a shape, but the bodies are spheres: expected \"polyhedra\"";
+            let message =
+                format!("found a shape, but the bodies are {key}: expected \"polyhedra\"");
             findings.problem(&path::join(at, "shape"), message);
             None
         }
         (Some(spheres), None, None) => {
-            let at = path::join(at, "spheres");
+            let at = path::join(at, key);
             let spheres: Vec<_> = (spheres.iter().enumerate())
                 .map(|(i, table)| sphere(table, &path::item(&at, i), findings))
                 .collect();
@@ -196,7 +205,7 @@ fn placement(
             }
         }
         (None, None, None) => {
-            let keys = ["spheres", "polyhedra", "packing"];
+            let keys = ["spheres", "cylinders", "polyhedra", "packing"];
             if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
                 let message =
                     "missing: where the bodies are, as \"spheres\", \"polyhedra\" or \"packing\"";
@@ -205,7 +214,7 @@ fn placement(
             None
         }
         (_, _, Some(_)) => {
-            let other = if table.spheres.is_some() { "spheres" } else { "polyhedra" };
+            let other = if round.is_some() { key } else { "polyhedra" };
             findings.problem(
                 &path::join(at, "packing"),
                 format!("found both {other} and a packing, expected one of them"),
@@ -215,7 +224,7 @@ fn placement(
         (Some(_), Some(_), None) => {
             findings.problem(
                 &path::join(at, "polyhedra"),
-                "found both spheres and polyhedra, expected one of them",
+                format!("found both {key} and polyhedra, expected one of them"),
             );
             None
         }

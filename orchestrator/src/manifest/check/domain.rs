@@ -26,6 +26,7 @@ pub(super) fn domain(table: &DomainTable, findings: &mut Findings) -> Option<Dom
         min,
         max: std::array::from_fn(|a| min[a] + size[a].0),
         faces,
+        across: table.across.map(|axis| axis.number()),
         material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
     })
 }

@@ -15,6 +15,7 @@ mod materials;
 mod near;
 mod parts;
 mod placement;
+mod plane;
 mod polyhedra;
 mod probes;
 mod run;

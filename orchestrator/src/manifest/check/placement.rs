@@ -30,6 +30,7 @@ pub(super) fn check(
     sets: &[Option<BodySet>],
     findings: &mut Findings,
 ) {
+    let round = if domain.across.is_some() { "cylinders" } else { "spheres" };
     let mut placed = Vec::new();
     for (i, set) in sets.iter().enumerate() {
         let Some(set) = set else { continue };
@@ -37,7 +38,7 @@ pub(super) fn check(
         match &set.placement {
             Placement::Listed(spheres) => {
                 placed.extend(spheres.iter().enumerate().map(|(j, sphere)| Placed {
-                    at: path::item(&path::join(&at, "spheres"), j),
+                    at: path::item(&path::join(&at, round), j),
                     sphere,
                     free: set.motion == Motion::Free,
                     clump: set.clump.as_deref(),
@@ -82,7 +83,7 @@ pub(super) fn check(
 
 fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
     let Sphere { position, diameter, .. } = body.sphere;
-    let outside = (0..3).any(|a| {
+    let outside = (0..3).filter(|&a| domain.across != Some(a)).any(|a| {
         // Least distance of its centre from the face, inwards.
         let inset = match (domain.is_periodic(a), body.free) {
             (true, _) => 0.0,
@@ -93,7 +94,7 @@ fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
     });
     if outside {
         let message = format!(
-            "a sphere of {diameter} m at {position:?} m is not inside the domain, which is {}",
+            "a body of {diameter} m at {position:?} m is not inside the domain, which is {}",
             extent(domain)
         );
         findings.problem(&path::join(&body.at, "position"), message);
@@ -107,7 +108,7 @@ fn cut_by_mirrors(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) -
     let Sphere { position, diameter, velocity, angular_velocity } = *body.sphere;
     let mut found = false;
     for (a, side) in (0..3).flat_map(|a| [(a, 0), (a, 1)]) {
-        if domain.faces[a][side] != Face::Symmetry {
+        if domain.faces[a][side] != Face::Symmetry || domain.across == Some(a) {
             continue;
         }
         let depth = [position[a] - domain.min[a], domain.max[a] - position[a]][side];
@@ -147,7 +148,7 @@ fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {
         let height: f64 = (0..3).map(|a| (position[a] - plane.point[a]) * plane.normal[a]).sum();
         if height < (0.5 - TOLERANCE) * diameter {
             let message = format!(
-                "a sphere of {diameter} m at {position:?} m reaches through scene.planes[{i}]"
+                "a body of {diameter} m at {position:?} m reaches through scene.planes[{i}]"
             );
             findings.problem(&path::join(&body.at, "position"), message);
         }

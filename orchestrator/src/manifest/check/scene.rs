@@ -6,7 +6,8 @@ use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
 use super::polyhedra::Shapes;
 use super::{
-    bodies, domain, fluid, gaps, inlets, materials, parts, placement, probes, seals, surfaces,
+    bodies, domain, fluid, gaps, inlets, materials, parts, placement, plane, probes, seals,
+    surfaces,
 };
 use tremie_messages::scene::{BodySet, Domain, Part, Plane, Scene};
 
@@ -27,6 +28,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
     let gaps = gaps::gaps(table, domain.as_ref(), findings);
     if let Some(domain) = &domain {
+        plane::check(table, domain, &mut bodies, findings);
         placement::check(domain, planes.as_deref().unwrap_or(&[]), &bodies, findings);
         surfaces::check(domain, &parts, findings);
     }

@@ -8,8 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
 
-/// Bodies of one material and one kind of motion. Exactly one of `spheres`, `polyhedra` and
-/// `packing`.
+/// Bodies of one material and one kind of motion. Exactly one of `spheres`, `cylinders`,
+/// `polyhedra` and `packing`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct BodiesTable {
@@ -37,6 +37,8 @@ pub(in super::super) struct BodiesTable {
     pub follow: Option<bool>,
     /// Each sphere given.
     pub spheres: Option<Vec<SphereTable>>,
+    /// Each cylinder given, in a plane scene; its position across the plane does not matter.
+    pub cylinders: Option<Vec<SphereTable>>,
     /// Shape of polyhedra: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron,
     /// dodecahedron or icosahedron (default: the bodies are spheres).
     pub shape: Option<String>,
@@ -80,7 +82,7 @@ pub(in super::super) struct MotionPointTable {
     pub angular_velocity: Option<[AngularVelocity; 3]>,
 }
 
-/// A sphere at the start.
+/// A sphere, or a cylinder across a plane scene, at the start.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct SphereTable {

@@ -1,5 +1,6 @@
 //! The manifest's tables of the domain, its faces, and the fluid.
 
+use super::AxisName;
 use super::course::CourseEntry;
 use super::forms::read_by_form;
 use schemars::JsonSchema;
@@ -23,6 +24,10 @@ pub(in super::super) struct DomainTable {
     pub y: Option<AxisEntry>,
     /// What the two faces across z are (default: wall).
     pub z: Option<AxisEntry>,
+    /// Makes the scene a plane one: the axis across the plane, along which nothing varies. Bodies
+    /// are then cylinders across it, as long as the domain is deep (default: none, a scene in
+    /// space).
+    pub across: Option<AxisName>,
     /// Material of the faces, for contacts of grains (default: "wall").
     pub material: Option<String>,
 }

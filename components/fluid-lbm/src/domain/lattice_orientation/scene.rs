@@ -38,6 +38,7 @@ impl LatticeOrientation {
             max: self.to_lattice(&domain.max),
             faces: self.to_lattice(&domain.faces).map(|sides| sides.map(|face| self.face(face))),
             material: domain.material.clone(),
+            across: domain.across,
         }
     }
 
