@@ -43,7 +43,9 @@ pub struct Parameters {
     /// which they do: the expected speed times the cell over the viscosity is below 20).
     #[serde(default)]
     pub walls: Option<WallName>,
-    /// Share of a cell's excess of mass that the flow carries away in a time step.
+    /// Share of a cell's excess or lack of mass that is mended in a time step in which the fastest
+    /// fluid crosses half a cell, in proportion in others: particles are moved apart, without a
+    /// change of their velocities.
     #[serde(default = "defaults::relaxation")]
     pub relaxation: f64,
     /// What the pressure is solved with, besides weights, as forces on bodies that move.

@@ -39,6 +39,8 @@ pub struct ParticleMotion<'a, const D: usize> {
     pub before: &'a FaceVelocity<D>,
     /// The grid's velocity at the end of the step.
     pub after: &'a FaceVelocity<D>,
+    /// Displacement on faces that keeps the volume [m].
+    pub shift: &'a FaceVelocity<D>,
     /// Particles that fly by themselves.
     pub is_adrift: &'a [bool],
     /// Step [s].
@@ -151,6 +153,11 @@ impl<const D: usize> ParticleMotion<'_, D> {
         let k1 = velocity_at(grid, after, start);
         let k2 = velocity_at(grid, after, shifted(0.5 * dt, k1));
         let k3 = velocity_at(grid, after, shifted(0.75 * dt, k2));
-        shifted(dt, std::array::from_fn(|a| (2.0 * k1[a] + 3.0 * k2[a] + 4.0 * k3[a]) / 9.0))
+        let apart = velocity_at(grid, self.shift, start);
+        let mut end = start;
+        for a in 0..D {
+            end[a] += dt * (2.0 * k1[a] + 3.0 * k2[a] + 4.0 * k3[a]) / 9.0 + apart[a];
+        }
+        self.inside(end)
     }
 }

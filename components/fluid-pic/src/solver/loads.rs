@@ -2,7 +2,7 @@
 
 use crate::pressure::body_coupling::Wrench;
 use crate::solids::rigid_body::RigidBody;
-use crate::solver::pic_solver::PicSolver;
+use crate::solver::pic_solver::{PicSolver, is_deep};
 
 /// Sums over the fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +99,7 @@ impl<const D: usize> PicSolver<D> {
         let full = self.full_mass();
         let of = |cell: [isize; D]| {
             let at = self.grid.place(cell);
-            if self.depth[at] >= 1.0 {
+            if is_deep(&self.grid, &self.fractions, &self.depth, at) {
                 self.fractions.volume[at]
             } else {
                 self.cell_mass[at] / full

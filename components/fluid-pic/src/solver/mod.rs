@@ -6,3 +6,4 @@ pub mod loads;
 pub mod pic_settings;
 pub mod pic_solver;
 pub mod viscosity;
+pub mod volume_correction;

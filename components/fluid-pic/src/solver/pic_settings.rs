@@ -38,7 +38,8 @@ pub struct PicSettings<const D: usize> {
     pub walls: [[BoxWall<D>; 2]; D],
     /// True if bodies and parts hold the fluid back.
     pub bodies_stick: bool,
-    /// Share of a cell's excess of mass that the flow carries away in a step.
+    /// Share of a cell's excess of mass that is moved away in a step in which the fastest fluid
+    /// crosses half a cell.
     pub relaxation: f64,
 }
 

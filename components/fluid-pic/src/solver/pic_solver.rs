@@ -29,11 +29,15 @@ use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{ExtrapolationRoom, FaceState, extrapolate};
 use crate::solver::pic_settings::{BoxWall, PicSettings};
 use crate::solver::viscosity::{Viscosity, ViscousStep};
+use crate::solver::volume_correction::VolumeCorrection;
 use crate::surface::fill_level::{depth, room};
 use tremie_team::{Cut, Team, Variant};
 
 /// Layers of faces beyond the fluid that have a velocity.
 const LAYERS: usize = 3;
+
+/// Cells that the fastest fluid crosses in a step for which settings are meant.
+const USUAL_COURANT: f64 = 0.5;
 
 /// Open fraction of a face below which its velocity says nothing of the fluid around: through a
 /// crevice beside a body it may be many times the body's.
@@ -70,7 +74,9 @@ pub struct PicSolver<const D: usize> {
     pub(super) q: Vec<f64>,
     multigrid: Multigrid<D>,
     iteration: ConjugateGradients,
+    correction: VolumeCorrection<D>,
     has_surface: bool,
+    relaxation: f64,
     /// Lift of each free body, then of each held one, beyond that of the faces that it covers [N].
     pub(super) lift: Vec<[f64; D]>,
 }
@@ -115,7 +121,9 @@ impl<const D: usize> PicSolver<D> {
             q: zeros(),
             multigrid: Multigrid::new(grid.cells),
             iteration: ConjugateGradients::new(grid.stored),
+            correction: VolumeCorrection::new(&grid),
             has_surface: false,
+            relaxation: 0.0,
             lift: Vec::new(),
             settings,
             grid,
@@ -164,9 +172,11 @@ impl<const D: usize> PicSolver<D> {
         self.fractions.place_bodies(&self.grid, bodies, full);
         self.find_surface();
         self.hold_faces(bodies);
+        self.find_relaxation(dt);
         self.accelerate(dt, bodies);
         self.assemble(dt, bodies);
         let outcome = self.solve();
+        self.correct_volume();
         self.project(bodies);
         self.take_loads(dt, bodies, loads);
         outcome
@@ -181,6 +191,7 @@ impl<const D: usize> PicSolver<D> {
             grid: &self.grid,
             before: &self.before,
             after: &self.velocity,
+            shift: &self.correction.displacement,
             is_adrift: &self.is_adrift,
             dt,
             fall: std::array::from_fn(|a| dt * self.settings.gravity[a]),
@@ -258,14 +269,7 @@ impl<const D: usize> PicSolver<D> {
             if self.depth[at] > 0.0 || self.fractions.volume[at] == 0.0 {
                 continue;
             }
-            let mut is_enclosed = true;
-            for a in 0..D {
-                let stride = self.grid.stride[a];
-                for (face, beyond) in [(at, at - stride), (at + stride, at + stride)] {
-                    is_enclosed &= self.fractions.open[a][face] == 0.0 || self.depth[beyond] > 0.0;
-                }
-            }
-            if is_enclosed {
+            if all_around(&self.grid, &self.fractions, at, |beyond| self.depth[beyond] > 0.0) {
                 self.voids.push(at as u32);
             }
         }
@@ -329,7 +333,7 @@ impl<const D: usize> PicSolver<D> {
                 self.q[at] = 0.0;
                 continue;
             }
-            let mut outflow = self.fractions.pushed[at] - self.excess(at, dt);
+            let mut outflow = self.fractions.pushed[at];
             for a in 0..D {
                 for (face, beyond, sign) in
                     [(at, at - stride[a], -1.0), (at + stride[a], at + stride[a], 1.0)]
@@ -360,17 +364,28 @@ impl<const D: usize> PicSolver<D> {
         }
     }
 
-    /// Outflow that takes a share of a cell's excess of mass away in a step [m/s]. Particles that
-    /// follow an interpolated flow gather here and thin out there; unmended, the volume drifts.
-    /// Where the surface is near, only excess counts: there a cell may well be less than full.
-    #[inline]
-    fn excess(&self, at: usize, dt: f64) -> f64 {
-        if self.settings.relaxation == 0.0 {
-            return 0.0;
-        }
-        let filled = self.cell_mass[at] / self.full_mass() - self.room[at];
-        let over = if self.depth[at] >= 1.0 { filled } else { filled.max(0.0) };
-        self.settings.relaxation * over * self.grid.spacing / dt
+    /// The share of a cell's excess of mass that is moved away in this step. Particles gather as they
+    /// move, so it goes with the cells that the fastest fluid crosses.
+    fn find_relaxation(&mut self, dt: f64) {
+        let fastest = self.before.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let crossed = fastest * dt / self.grid.spacing;
+        self.relaxation = self.settings.relaxation * (crossed / USUAL_COURANT).min(1.0);
+    }
+
+    /// Finds how particles are to move apart. Where the surface is near, only excess counts: there a
+    /// cell may well be less than full.
+    fn correct_volume(&mut self) {
+        let full = self.full_mass();
+        let Self { grid, team, stencil, fractions, settings, depth, cell_mass, room, .. } = self;
+        let share = self.relaxation;
+        let excess = |at: usize| {
+            let filled = cell_mass[at] / full - room[at];
+            share * if is_deep(grid, fractions, depth, at) { filled } else { filled.max(0.0) }
+        };
+        let to_surface =
+            |wet: usize, air: usize| settings.surface.distance(depth[wet], depth[air].min(0.0));
+        let open = &fractions.open;
+        self.correction.find(team, self.variant, grid, stencil, open, excess, to_surface);
     }
 
     /// Distance of the surface from a wet cell towards a cell of air.
@@ -496,6 +511,30 @@ impl<const D: usize> PicSolver<D> {
             }
         }
     }
+}
+
+/// True if something holds for all cells that a cell is open to.
+fn all_around<const D: usize>(
+    grid: &StaggeredGrid<D>,
+    fractions: &OpenFractions<D>,
+    at: usize,
+    holds: impl Fn(usize) -> bool,
+) -> bool {
+    (0..D).all(|a| {
+        let stride = grid.stride[a];
+        let beside = [(at, at - stride), (at + stride, at + stride)];
+        beside.into_iter().all(|(face, beyond)| fractions.open[a][face] == 0.0 || holds(beyond))
+    })
+}
+
+/// True if a cell is part of the fluid, and all that it is open to are.
+pub(super) fn is_deep<const D: usize>(
+    grid: &StaggeredGrid<D>,
+    fractions: &OpenFractions<D>,
+    depth: &[f64],
+    at: usize,
+) -> bool {
+    depth[at] > 0.0 && all_around(grid, fractions, at, |beyond| depth[beyond] > 0.0)
 }
 
 /// Arrays of a component that come from particles.

@@ -12,6 +12,7 @@ pub(crate) type PartLoads = ([f64; 3], [f64; 3]);
 
 const PLACE: &str =
     "position of a body's centre, a clump's centroid, or the origin of a part's frame";
+const MEAN: &str = "mean coordinate of the centres of all free bodies";
 const TURN: &str = "its orientation, a unit quaternion (x, y, z, w) from its frame to the world";
 const FORCE: &str = "force of the grains on the part, fixed or moving: contacts and lubrication at the end of \
     the window; no fluid, no stops";
@@ -53,6 +54,9 @@ pub(crate) const OF_ALL: &[SignalRow<Diagnostics>] = &[
         |d| d.max_overlap_ratio,
     ),
     ("list_rebuilds", "1", "neighbour lists made since the start", |d| d.list_rebuilds as f64),
+    ("mean_x", "m", MEAN, |d| d.mean_place[0]),
+    ("mean_y", "m", MEAN, |d| d.mean_place[1]),
+    ("mean_z", "m", MEAN, |d| d.mean_place[2]),
 ];
 
 /// Signals of each sphere, where they are few.

@@ -42,6 +42,8 @@ pub struct Diagnostics {
     /// Mean height of centres against gravity, from the lowest point of the domain [m], of clumps
     /// that of their centroids; 0 without gravity.
     pub mean_height: f64,
+    /// Mean position of their centres [m].
+    pub mean_place: [f64; 3],
     /// Contacts between bodies, and between bodies and walls.
     pub contacts: u64,
     /// Largest overlap since the start, over the smaller radius of its pair.
@@ -90,6 +92,8 @@ struct Sums {
     potential: f64,
     elastic: f64,
     momentum: Vec3,
+    /// Of the centres [m].
+    place: Vec3,
     /// Square of the largest speed [m²/s²].
     square: f64,
     height: f64,
@@ -122,7 +126,8 @@ impl Survey {
         });
         let mut all = self.blocks.iter().fold(Sums::default(), |all, sums| all.and(sums));
         for clump in seen.clumps.all() {
-            all.join(clump, clump.centroid(bodies).dot(&up) - lowest, strength);
+            let place = clump.centroid(bodies);
+            all.join(clump, place, place.dot(&up) - lowest, strength);
         }
         seen.parts.iter().filter_map(PlacedPart::slider).for_each(|slider| all.slide(slider));
         for surface in &seen.contacts.surfaces.held {
@@ -154,17 +159,19 @@ impl Sums {
         }
         self.potential += mass * gravity * height;
         self.momentum += twist.v * mass;
+        self.place += bodies.balls[slot].x;
         self.height += height;
         self.free += 1;
     }
 
-    /// Adds a clump, whose centroid is at a height.
-    fn join(&mut self, clump: &Clump, height: f64, gravity: f64) {
+    /// Adds a clump, whose centroid is at a place and a height.
+    fn join(&mut self, clump: &Clump, place: Vec3, height: f64, gravity: f64) {
         let [kinetic, rotational] = clump.energies();
         self.kinetic += kinetic;
         self.rotational += rotational;
         self.potential += clump.mass * gravity * height;
         self.momentum += clump.v * clump.mass;
+        self.place += place;
         self.height += height;
         self.free += 1;
     }
@@ -187,6 +194,7 @@ impl Sums {
             elastic: self.elastic + other.elastic,
             momentum: self.momentum + other.momentum,
             square: self.square.max(other.square),
+            place: self.place + other.place,
             height: self.height + other.height,
             free: self.free + other.free,
         }
@@ -201,6 +209,7 @@ impl Sums {
             momentum: self.momentum.into(),
             max_speed: self.square.sqrt(),
             mean_height: if self.free > 0 { self.height / self.free as f64 } else { 0.0 },
+            mean_place: (self.place / self.free.max(1) as f64).into(),
             ..Diagnostics::default()
         }
     }
