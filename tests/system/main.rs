@@ -15,6 +15,7 @@ mod inlets;
 mod memory;
 mod observers;
 mod outputs;
+mod particle_fluid;
 mod polyhedra;
 mod report;
 mod resident;

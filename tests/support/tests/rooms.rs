@@ -24,7 +24,8 @@ const GRAINS: [&str; 11] = [
 
 const KIT: [&str; 6] = ["cells", "window", "probes", "survey", "checks", "observed"];
 
-const PARTICLES: [&str; 6] = ["grid", "pressure", "particles", "solids", "surface", "solver"];
+const PARTICLES: [&str; 9] =
+    ["grid", "pressure", "particles", "solids", "surface", "solver", "domain", "report", "fluid"];
 
 const RUBBER: [&str; 6] = ["mesh", "fem", "table", "runtime", "import", "spec"];
 
@@ -42,8 +43,9 @@ const CRATES: [(&str, &[&str]); 6] = [
 ];
 
 /// Crates that only the room `registry` may name: what the program carries in itself.
-const CARRIED: [&str; 7] = [
+const CARRIED: [&str; 8] = [
     "tremie_fluid_lbm",
+    "tremie_fluid_pic",
     "tremie_grains_dem",
     "tremie_rubber_table",
     "tremie_viewer",

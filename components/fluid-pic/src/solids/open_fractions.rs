@@ -57,6 +57,8 @@ pub struct OpenFractions<const D: usize> {
     /// Flux through the surfaces of bodies with prescribed motion out of each cell, as the sum of
     /// its faces' fractions times velocities [m/s].
     pub pushed: Vec<f64>,
+    /// The same of free bodies, with the velocities that they have.
+    pub pushed_by_free: Vec<f64>,
     /// Number of the solid that holds the centre of each face; [`NONE`] if none does. Solids at
     /// rest come first.
     pub holder: [Vec<u32>; D],
@@ -113,6 +115,7 @@ impl<const D: usize> OpenFractions<D> {
             open,
             volume,
             pushed: vec![0.0; grid.stored],
+            pushed_by_free: vec![0.0; grid.stored],
             holder: none,
             free: BorderCells::default(),
             held: BorderCells::default(),
@@ -156,6 +159,7 @@ impl<const D: usize> OpenFractions<D> {
             }
             self.volume[place] = self.rest.volume[place];
             self.pushed[place] = 0.0;
+            self.pushed_by_free[place] = 0.0;
             self.is_near[place] = self.rest.is_near[place];
         }
         self.touched.clear();
@@ -295,9 +299,12 @@ impl<const D: usize> OpenFractions<D> {
         border.coupling.cells.push(place as u32);
         border.coupling.wrenches.push(wrench);
         border.beyond_faces.push(faces.map(|faces| share - faces));
-        if !body.is_free() {
-            let motion = body.motion();
-            self.pushed[place] += (0..6).map(|k| wrench[k] * motion[k]).sum::<f64>();
+        let motion = body.motion();
+        let pushed = (0..6).map(|k| wrench[k] * motion[k]).sum::<f64>();
+        if body.is_free() {
+            self.pushed_by_free[place] += pushed;
+        } else {
+            self.pushed[place] += pushed;
         }
     }
 }

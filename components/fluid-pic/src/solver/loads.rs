@@ -61,6 +61,8 @@ impl<const D: usize> PicSolver<D> {
     pub fn wall_forces(&self, dt: f64) -> [[[f64; D]; 2]; D] {
         let mut forces = self.viscosity.loads.walls;
         let unit = self.full_mass() / dt;
+        // From the centre of a cell to the wall the pressure changes by the weight in between.
+        let weight = self.settings.gravity.map(|g| 0.5 * self.full_mass() * g);
         for cell in self.grid.all() {
             let q = self.q[self.grid.place(cell)];
             if q == 0.0 {
@@ -68,17 +70,19 @@ impl<const D: usize> PicSolver<D> {
             }
             for a in 0..D {
                 if cell[a] == 0 {
-                    forces[a][0][a] -= unit * q;
+                    forces[a][0][a] -= unit * q - weight[a];
                 }
                 if cell[a] + 1 == self.grid.cells[a] as isize {
-                    forces[a][1][a] += unit * q;
+                    forces[a][1][a] += unit * q + weight[a];
                 }
             }
         }
         // What bodies cover of a wall, the fluid does not press on.
         for &(a, side, cell, share) in &self.fractions.on_walls {
             let (a, side) = (usize::from(a), usize::from(side));
-            forces[a][side][a] -= [-1.0, 1.0][side] * unit * share * self.q[cell as usize];
+            let sign = [-1.0, 1.0][side];
+            let pressed = unit * self.q[cell as usize] + sign * weight[a];
+            forces[a][side][a] -= sign * share * pressed;
         }
         forces
     }

@@ -28,6 +28,7 @@ use crate::solids::open_fractions::{MARGIN, NONE, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{ExtrapolationRoom, FaceState, extrapolate};
 use crate::solver::pic_settings::{BoxWall, PicSettings};
+use crate::solver::separation::Separation;
 use crate::solver::viscosity::{Viscosity, ViscousStep};
 use crate::solver::volume_correction::VolumeCorrection;
 use crate::surface::fill_level::{depth, room};
@@ -36,8 +37,14 @@ use tremie_team::{Cut, Team, Variant};
 /// Layers of faces beyond the fluid that have a velocity.
 const LAYERS: usize = 3;
 
+/// Room below which particles do not say whether a cell is part of the fluid [cells].
+const HALF: f64 = 0.5;
+
 /// Cells that the fastest fluid crosses in a step for which settings are meant.
 const USUAL_COURANT: f64 = 0.5;
+
+/// Times that the pressure is solved for again because fluid lets go of solids.
+const ROUNDS: usize = 3;
 
 /// Open fraction of a face below which its velocity says nothing of the fluid around: through a
 /// crevice beside a body it may be many times the body's.
@@ -75,6 +82,7 @@ pub struct PicSolver<const D: usize> {
     multigrid: Multigrid<D>,
     iteration: ConjugateGradients,
     correction: VolumeCorrection<D>,
+    separation: Separation,
     has_surface: bool,
     relaxation: f64,
     /// Lift of each free body, then of each held one, beyond that of the faces that it covers [N].
@@ -122,6 +130,7 @@ impl<const D: usize> PicSolver<D> {
             multigrid: Multigrid::new(grid.cells),
             iteration: ConjugateGradients::new(grid.stored),
             correction: VolumeCorrection::new(&grid),
+            separation: Separation::default(),
             has_surface: false,
             relaxation: 0.0,
             lift: Vec::new(),
@@ -174,8 +183,19 @@ impl<const D: usize> PicSolver<D> {
         self.hold_faces(bodies);
         self.find_relaxation(dt);
         self.accelerate(dt, bodies);
+        self.keep_separated();
         self.assemble(dt, bodies);
-        let outcome = self.solve();
+        let mut outcome = self.solve();
+        for _ in 0..ROUNDS {
+            let Self { separation, grid, fractions, q, room, depth, .. } = self;
+            if !self.has_surface || !separation.find(grid, fractions, (q, room), depth) {
+                break;
+            }
+            self.assemble(dt, bodies);
+            let again = self.solve();
+            outcome =
+                PressureOutcome { iterations: outcome.iterations + again.iterations, ..again };
+        }
         self.correct_volume();
         self.project(bodies);
         self.take_loads(dt, bodies, loads);
@@ -261,7 +281,8 @@ impl<const D: usize> PicSolver<D> {
     }
 
     /// Takes a cell without fluid that has fluid on all sides for fluid: it ran empty because
-    /// particles gather elsewhere, and the pressure of nothing in there would drive them on.
+    /// particles gather elsewhere, and the pressure of nothing in there would drive them on. Cells
+    /// that solids take more than half of have too few particles to say anything.
     fn close_voids(&mut self) {
         self.voids.clear();
         for cell in self.grid.all() {
@@ -269,7 +290,14 @@ impl<const D: usize> PicSolver<D> {
             if self.depth[at] > 0.0 || self.fractions.volume[at] == 0.0 {
                 continue;
             }
-            if all_around(&self.grid, &self.fractions, at, |beyond| self.depth[beyond] > 0.0) {
+            let Self { grid, fractions, depth, room, .. } = &*self;
+            let is_air = |beyond: usize| {
+                depth[beyond] <= 0.0 && room[beyond] >= HALF && fractions.volume[beyond] > 0.0
+            };
+            let is_dry = |beyond: usize| depth[beyond] <= 0.0;
+            if all_around(grid, fractions, at, |beyond| !is_air(beyond))
+                && !all_around(grid, fractions, at, is_dry)
+            {
                 self.voids.push(at as u32);
             }
         }
@@ -320,6 +348,22 @@ impl<const D: usize> PicSolver<D> {
         self.depth[at] > 0.0
     }
 
+    /// Cells that solids let go of in the last step are air still, unless fluid gathers there.
+    fn keep_separated(&mut self) {
+        let Self { separation, fractions, velocity, depth, grid, .. } = self;
+        let gathers = |at: usize| {
+            let outflow: f64 = (0..D)
+                .map(|a| {
+                    let upper = at + grid.stride[a];
+                    fractions.open[a][upper] * velocity[a][upper]
+                        - fractions.open[a][at] * velocity[a][at]
+                })
+                .sum();
+            outflow + fractions.pushed[at] + fractions.pushed_by_free[at] <= 0.0
+        };
+        separation.keep(depth, gathers);
+    }
+
     /// The pressure's equations.
     fn assemble(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let stride = self.grid.stride;
@@ -346,7 +390,7 @@ impl<const D: usize> PicSolver<D> {
                     if self.is_wet(beyond) {
                         self.stencil.diagonal[at] += open;
                         self.stencil.coupling[a][face] = open;
-                    } else if !self.settings.fills_all {
+                    } else if !self.settings.fills_all && self.fractions.volume[beyond] > 0.0 {
                         self.stencil.diagonal[at] += open / self.to_surface(at, beyond);
                         self.has_surface = true;
                     }

@@ -15,7 +15,7 @@
 use crate::grid::staggered_grid::StaggeredGrid;
 
 /// Room that is too little to judge from [cells].
-const LITTLE: f64 = 0.02;
+pub const LITTLE: f64 = 0.02;
 
 /// Share of the hat about each cell that is room for fluid: open fractions, spread by the hat.
 pub fn room<const D: usize>(
