@@ -211,7 +211,7 @@ impl<const D: usize> PicFluid<D> {
     /// States that are not those of the living bodies, a pressure that is not found.
     pub fn start(&mut self, states: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.registry.check(states)?;
-        self.place(states, 1.0, self.dt, true)?;
+        self.place(states, [1.0; 2], self.dt, true)?;
         self.solver.remove_inside(&self.bodies);
         self.find_loads()?;
         self.first_volume = self.solver.sums().volume;
@@ -236,7 +236,8 @@ impl<const D: usize> PicFluid<D> {
         self.substeps = substeps;
         for step in 1..=substeps {
             let is_last = step == substeps;
-            self.place(states, f64::from(step) / f64::from(substeps), window, is_last)?;
+            let parts = [step, step + 1].map(|step| f64::from(step) / f64::from(substeps));
+            self.place(states, parts, window, is_last)?;
             self.solver.move_particles(self.dt, &self.bodies);
             self.time += self.dt;
             self.find_loads()?;
@@ -245,18 +246,19 @@ impl<const D: usize> PicFluid<D> {
         Ok(())
     }
 
-    /// Puts the bodies where they are at a part of the window; only at its end forces move them.
+    /// Puts the bodies where they are at the first of two parts of the window, with the velocities
+    /// that they have at the second; only at the window's end forces move them.
     fn place(
         &mut self,
         states: &[BodyState],
-        part: f64,
+        parts: [f64; 2],
         window: f64,
         is_last: bool,
     ) -> Result<(), FluidError> {
         self.bodies.clear();
         for (known, state) in self.registry.bodies.iter_mut().zip(states) {
             let between = match &known.state {
-                Some(before) if !is_last => part_way(before, state, part, window),
+                Some(before) if !is_last => part_way(before, state, parts),
                 _ => *state,
             };
             let mut body = self.solids.body(known, &between)?;
@@ -426,8 +428,9 @@ fn world_load<const D: usize>(section: &Section<D>, depth: f64, wrench: &Wrench)
     Load { id: 0, force: section.vector_to_world(force), torque: torque.map(|t| depth * t) }
 }
 
-/// A body part of the way between two states, with the mean velocities of that way.
-fn part_way(before: &BodyState, after: &BodyState, part: f64, window: f64) -> BodyState {
+/// A body part of the way between two states, with the velocities that it has at a later part, where
+/// the step ends that begins here.
+fn part_way(before: &BodyState, after: &BodyState, [part, later]: [f64; 2]) -> BodyState {
     let mix = |from: f64, to: f64| from + part * (to - from);
     let turned: f64 =
         (0..4).map(|k| before.orientation[k] * after.orientation[k]).sum::<f64>().signum();
@@ -437,9 +440,12 @@ fn part_way(before: &BodyState, after: &BodyState, part: f64, window: f64) -> Bo
     BodyState {
         position: std::array::from_fn(|a| mix(before.position[a], after.position[a])),
         orientation: orientation.map(|q| q / length),
-        velocity: std::array::from_fn(|a| (after.position[a] - before.position[a]) / window),
+        velocity: std::array::from_fn(|a| {
+            before.velocity[a] + later * (after.velocity[a] - before.velocity[a])
+        }),
         angular_velocity: std::array::from_fn(|a| {
-            0.5 * (before.angular_velocity[a] + after.angular_velocity[a])
+            let [from, to] = [before, after].map(|state| state.angular_velocity[a]);
+            from + later * (to - from)
         }),
         ..*after
     }
