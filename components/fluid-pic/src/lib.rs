@@ -47,7 +47,7 @@ mod solver;
 mod surface;
 
 #[cfg(feature = "component")]
-pub use fluid::component;
+pub use fluid::{benchmark::benchmarks, component};
 
 pub use domain::parameters::{ContactForces, Parameters, SurfaceName, TransferName, WallName};
 pub use fluid::error::FluidError;

@@ -56,7 +56,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         about: "particle in cell: free surface, cut cells, bodies in the pressure's solution",
         settings: SchemaGenerator::subschema_for::<tremie_fluid_pic::Parameters>,
         run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_pic::component::PicComponent>>,
-        benchmarks: no_benchmarks,
+        benchmarks: tremie_fluid_pic::benchmarks,
     },
     BuiltIn {
         name: "grains-dem",

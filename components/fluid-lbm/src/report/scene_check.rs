@@ -4,8 +4,8 @@ use crate::boundary::virtual_piston::face::reservoirs_of;
 use tremie_fluid_kit::cells::grid::face_name;
 use tremie_messages::Problem;
 use tremie_messages::scene::{
-    Course, DeformableSurface, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion,
-    PartBoundary, ProbeShape, Reservoir, Ring, Scene,
+    Course, DeformableSurface, Domain, Face, FluidMaterial, Gap, GapRegion, GapRule, GapSide,
+    GapWeight, Motion, PartBoundary, ProbeShape, Reservoir, Ring, Scene,
 };
 
 /// Checks of the scene that concern a fluid.
@@ -41,24 +41,7 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(key, format!("must be finite, found {vector:?}")));
         }
     }
-    if !fluid.fill.is_empty() {
-        problems.push(
-            Problem::new(
-                "scene.fluid.fill[0]",
-                "the lattice-Boltzmann fluid fills all its space: it has no free surface",
-            )
-            .help("leave the regions out, or take a fluid with a surface: fluid = \"fluid-pic\""),
-        );
-    }
-    if scene.domain.across.is_some() {
-        problems.push(
-            Problem::new(
-                "scene.domain.across",
-                "the scene is plane, but the lattice-Boltzmann fluid knows scenes in space only",
-            )
-            .help("leave it out and take spheres, or take fluid = \"fluid-pic\""),
-        );
-    }
+    check_kind(scene, fluid, problems);
     check_domain(&scene.domain, problems);
     check_open(scene, problems);
     check_reservoirs(scene, problems);
@@ -90,6 +73,21 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
                 .help("fix the part, or make it a wall"),
             );
         }
+    }
+}
+
+/// Checks that the scene is one in space whose fluid has no surface.
+fn check_kind(scene: &Scene, fluid: &FluidMaterial, problems: &mut Vec<Problem>) {
+    if !fluid.fill.is_empty() {
+        let found = "the lattice-Boltzmann fluid fills all its space: it has no free surface";
+        let help = "leave the regions out, or take a fluid with a surface: fluid = \"fluid-pic\"";
+        problems.push(Problem::new("scene.fluid.fill[0]", found).help(help));
+    }
+    if scene.domain.across.is_some() {
+        let found =
+            "the scene is plane, but the lattice-Boltzmann fluid knows scenes in space only";
+        let help = "leave it out and take spheres, or take fluid = \"fluid-pic\"";
+        problems.push(Problem::new("scene.domain.across", found).help(help));
     }
 }
 

@@ -1,5 +1,7 @@
 //! The fluid as its users see it, and as a component of a run.
 
+#[cfg(feature = "component")]
+pub mod benchmark;
 pub mod body_registry;
 #[cfg(feature = "component")]
 pub mod component;

@@ -232,24 +232,18 @@ impl<const D: usize> OpenFractions<D> {
         border.coupling.close_body(body.mobility(full), volume);
     }
 
-    /// Closes what a body covers of a cell and its lower faces, and notes what the cell exerts on
-    /// the body.
-    fn close(&mut self, grid: &StaggeredGrid<D>, body: &RigidBody<D>, number: u32, at: [isize; D]) {
+    /// Closes what a body covers of the lower faces of a cell. Gives what the cell exerts on the
+    /// body, and the mean of the covered parts of its two faces across each axis.
+    fn close_faces(
+        &mut self,
+        grid: &StaggeredGrid<D>,
+        body: &RigidBody<D>,
+        number: u32,
+        (at, is_inside): ([isize; D], bool),
+    ) -> (Wrench, [f64; D]) {
         let h = grid.spacing;
-        let centre = grid.centre(at);
-        // No part of a cell is farther from its centre than this.
-        let far = 0.5 * h * (D as f64).sqrt() + MARGIN * h;
-        if body.height(centre, 2.0 * far).is_none_or(|(height, _)| height > far)
-            && !body.holds(centre)
-        {
-            return;
-        }
-        let place = grid.place(at);
-        self.touched.push(place as u32);
-        self.is_near[place] = true;
-        self.near.push((place as u32, number));
+        let (place, centre) = (grid.place(at), grid.centre(at));
         let lower_corner = centre.map(|x| x - 0.5 * h);
-        let is_inside = (0..D).all(|a| at[a] >= 0 && at[a] < grid.cells[a] as isize);
         let mut wrench: Wrench = [0.0; 6];
         let mut faces = [0.0; D];
         for a in 0..D {
@@ -287,6 +281,28 @@ impl<const D: usize> OpenFractions<D> {
                 }
             }
         }
+        (wrench, faces)
+    }
+
+    /// Closes what a body covers of a cell and its lower faces, and notes what the cell exerts on
+    /// the body.
+    fn close(&mut self, grid: &StaggeredGrid<D>, body: &RigidBody<D>, number: u32, at: [isize; D]) {
+        let h = grid.spacing;
+        let centre = grid.centre(at);
+        // No part of a cell is farther from its centre than this.
+        let far = 0.5 * h * (D as f64).sqrt() + MARGIN * h;
+        if body.height(centre, 2.0 * far).is_none_or(|(height, _)| height > far)
+            && !body.holds(centre)
+        {
+            return;
+        }
+        let place = grid.place(at);
+        self.touched.push(place as u32);
+        self.is_near[place] = true;
+        self.near.push((place as u32, number));
+        let lower_corner = centre.map(|x| x - 0.5 * h);
+        let is_inside = (0..D).all(|a| at[a] >= 0 && at[a] < grid.cells[a] as isize);
+        let (wrench, faces) = self.close_faces(grid, body, number, (at, is_inside));
         if !is_inside {
             return;
         }

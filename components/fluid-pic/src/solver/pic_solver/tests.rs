@@ -137,3 +137,36 @@ fn threads_change_no_bit() {
     };
     assert!(collapsed(1) == collapsed(3));
 }
+
+/// Water under a lid is not held there by suction once air is beneath: it falls.
+#[test]
+fn water_lets_go_of_a_lid() {
+    let mut solver =
+        full([20, 40], 0.05, PicSettings::water([0.0, -9.81]), 1, |x: [f64; 2]| x[1] > 1.5);
+    let mut forces = Vec::new();
+    for _ in 0..10 {
+        assert!(solver.step(5e-3, &[], &mut forces).converged);
+    }
+    let mass = solver.particles.mass * solver.particles.len() as f64;
+    let fall = solver.particles.momentum()[1] / mass;
+    assert!((fall / (-9.81 * 0.05) - 1.0).abs() < 0.05, "{fall} m/s");
+}
+
+/// Positions keep the volume in a splash that would lose a tenth of it.
+#[test]
+fn a_splash_keeps_its_volume() {
+    let change = |relaxation: f64| {
+        let settings = PicSettings { relaxation, ..PicSettings::water([0.0, -9.81]) };
+        let mut solver = full([60, 40], 0.02, settings, 1, |x: [f64; 2]| x[0] < 0.4 && x[1] < 0.6);
+        let mut forces = Vec::new();
+        solver.step(1e-6, &[], &mut forces);
+        let first = solver.sums().volume;
+        for _ in 0..600 {
+            let dt = 0.5 * solver.grid.spacing / solver.max_speed().max(2.0);
+            assert!(solver.step(dt, &[], &mut forces).converged);
+        }
+        (solver.sums().volume / first - 1.0).abs()
+    };
+    let (with, without) = (change(0.1), change(0.0));
+    assert!(with < 0.02 && without > 2.0 * with, "{with} {without}");
+}
