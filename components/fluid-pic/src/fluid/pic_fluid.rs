@@ -200,7 +200,8 @@ impl<const D: usize> PicFluid<D> {
     /// Adds and removes bodies; effective with the next states.
     ///
     /// # Errors
-    /// See [`BodyRegistry::apply`]. The list is then not applied at all.
+    /// A body added twice or removed without being there, an unknown kind, no size. The list is then
+    /// not applied at all.
     pub fn apply_events(&mut self, events: &[BodyEvent]) -> Result<(), FluidError> {
         self.registry.apply(events)
     }
