@@ -33,13 +33,35 @@ pub struct SceneSolids<const D: usize> {
     /// By index of the part; only those that move.
     parts: Vec<Option<PartShape>>,
     /// Shapes of polyhedra, of unit size.
-    shapes: Vec<Option<Arc<Convex>>>,
-    /// Inverse inertia of each such shape of unit density, times its volume.
-    inertia: Vec<Matrix3<f64>>,
+    shapes: Vec<Option<UnitShape>>,
     /// Axis of the sliders among the parts.
     axes: Vec<Option<[f64; 3]>>,
     /// Depth of a plane's cells [m]; 1 in space.
     depth: f64,
+}
+
+/// A shape of polyhedra of unit size.
+#[derive(Clone, Debug)]
+struct UnitShape {
+    convex: Convex,
+    width: f64,
+    volume: f64,
+    /// Inverse of its inertia for a mass of one; nothing where it has none.
+    inverse_inertia: Matrix3<f64>,
+}
+
+impl UnitShape {
+    fn of(vertices: &[[f64; 3]]) -> Option<Self> {
+        let convex = Convex::hull(vertices).ok()?.unit();
+        let moments = convex.moments();
+        let inverse = (moments.inertia / moments.volume).try_inverse();
+        Some(Self {
+            width: convex.least_width(),
+            volume: moments.volume,
+            inverse_inertia: inverse.unwrap_or_else(Matrix3::zeros),
+            convex,
+        })
+    }
 }
 
 fn part_shape(surface: &Surface) -> PartShape {
@@ -59,11 +81,14 @@ impl PartShape {
         section: Section<D>,
         strips: usize,
     ) -> BodyShape<D> {
-        // In a plane, area per metre of depth.
-        let across = section.across();
-        let along: [f64; 3] = std::array::from_fn(|a| if a == across { 1.0 } else { 0.0 });
-        let length = self.surface.width_along(frame.turn_to_part(along).into());
-        let volume = if D == 2 { self.volume / length } else { self.volume };
+        let volume = if D == 2 {
+            // Area of the section.
+            let across = section.across();
+            let along: [f64; 3] = std::array::from_fn(|a| if a == across { 1.0 } else { 0.0 });
+            self.volume / self.surface.width_along(frame.turn_to_part(along).into())
+        } else {
+            self.volume
+        };
         match &self.convex {
             Some(convex) => BodyShape::Convex {
                 solid: Box::new(HalfSpaces::of(convex, 1.0, &frame, &section)),
@@ -114,14 +139,6 @@ pub fn solids_at_rest<const D: usize>(
 impl<const D: usize> SceneSolids<D> {
     /// Of a scene.
     pub fn new(scene: &Scene, ground: &StaticGeometry, section: Section<D>, depth: f64) -> Self {
-        let unit = |vertices: &[[f64; 3]]| Some(Convex::hull(vertices).ok()?.unit());
-        let shapes: Vec<Option<Arc<Convex>>> =
-            scene.shapes.iter().map(|shape| unit(&shape.vertices).map(Arc::new)).collect();
-        let inertia = shapes.iter().map(|shape| {
-            let moments = shape.as_ref().map(|shape| shape.moments());
-            let inverse = moments.and_then(|m| (m.inertia / m.volume).try_inverse());
-            inverse.unwrap_or_else(Matrix3::zeros)
-        });
         let axis = |part: &Part| match &part.motion {
             Motion::Slider(slider) => {
                 let length = slider.axis.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -132,8 +149,7 @@ impl<const D: usize> SceneSolids<D> {
         Self {
             section,
             parts: ground.moving.iter().map(|s| s.as_deref().map(part_shape)).collect(),
-            inertia: inertia.collect(),
-            shapes,
+            shapes: scene.shapes.iter().map(|shape| UnitShape::of(&shape.vertices)).collect(),
             axes: scene.parts.iter().map(axis).collect(),
             depth,
         }
@@ -162,13 +178,13 @@ impl<const D: usize> SceneSolids<D> {
             }
             BodyEvent::POLYHEDRON => {
                 let shape = self.shapes.get(table).and_then(Option::as_ref);
-                let convex = shape.ok_or_else(|| wrong("its shape is unknown"))?;
+                let shape = shape.ok_or_else(|| wrong("its shape is unknown"))?;
                 let size = event.size[1];
                 BodyShape::Convex {
-                    solid: Box::new(HalfSpaces::of(convex, size, &frame, &self.section)),
+                    solid: Box::new(HalfSpaces::of(&shape.convex, size, &frame, &self.section)),
                     reach: event.size[0],
-                    width: size * convex.least_width(),
-                    volume: size.powi(3) * convex.moments().volume,
+                    width: size * shape.width,
+                    volume: size.powi(3) * shape.volume,
                 }
             }
             _ => return Err(wrong("its shape is unknown")),
@@ -198,7 +214,8 @@ impl<const D: usize> SceneSolids<D> {
 
     /// Inverse inertia of a polyhedron in the world.
     fn inverse_inertia(&self, event: &BodyEvent, frame: &Frame) -> [[f64; 3]; 3] {
-        let own = self.inertia.get(event.table as usize).copied().unwrap_or_else(Matrix3::zeros);
+        let shape = self.shapes.get(event.table as usize).and_then(Option::as_ref);
+        let own = shape.map_or_else(Matrix3::zeros, |shape| shape.inverse_inertia);
         let columns: [Vec3; 3] =
             [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| frame.turn_to_world(axis));
         let rotation = Matrix3::from_columns(&columns);
