@@ -2,6 +2,7 @@
 
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_messages::start::Signal;
 use tremie_messages::start::signal_row::{SignalRow, push};
 
 /// Values of a probe, SI units; of a profile only the velocity counts.
@@ -58,6 +59,16 @@ pub fn rows(shape: &ProbeShape) -> &'static [SignalRow<ProbeValues>] {
 /// Name, unit and meaning of the values of a scene's probes, in their order: `probe.value`.
 pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str, String)> {
     scene.probes.iter().flat_map(of_probe).collect()
+}
+
+/// Describes the signals of a scene's probes, which are measured where a row is kept.
+pub fn describe_probes(scene: &Scene) -> impl Iterator<Item = Signal> {
+    probe_signals(scene).into_iter().map(|(name, unit, meaning)| Signal {
+        name,
+        unit: unit.into(),
+        meaning,
+        sampled: true,
+    })
 }
 
 fn of_probe(probe: &Probe) -> Vec<(String, &'static str, String)> {

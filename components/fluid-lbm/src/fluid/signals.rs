@@ -5,8 +5,8 @@ use crate::boundary::virtual_piston::face::{OF_RESERVOIRS, reservoirs_of};
 use crate::lattice::ledger::Ledger;
 use crate::solver::diagnostics::Diagnostics;
 use tremie_fluid_kit::cells::grid::face_name;
-use tremie_fluid_kit::probes::probe_signals::probe_signals;
-use tremie_fluid_kit::window::fluid_signals::{OF_PARTS, OF_WALLS, walls};
+use tremie_fluid_kit::probes::probe_signals::describe_probes;
+use tremie_fluid_kit::window::fluid_signals::{OF_PARTS, OF_WALLS, describe_loads};
 use tremie_sdk::messages::scene::Scene;
 use tremie_sdk::messages::start::Signal;
 use tremie_sdk::messages::start::signal_row::{SignalRow, describe};
@@ -104,22 +104,11 @@ pub const OF_FLUID: [SignalRow<FluidState>; 25] = [
 /// All signals of a scene, in the order in which they are told.
 pub fn signals(scene: &Scene) -> Vec<Signal> {
     let mut all: Vec<_> = describe(&OF_FLUID, "").collect();
-    for (axis, side) in walls(scene) {
-        all.extend(describe(&OF_WALLS, &format!("{}.", face_name(axis, side))));
-    }
-    for part in &scene.parts {
-        all.extend(describe(&OF_PARTS, &format!("{}.", part.name)));
-    }
+    all.extend(describe_loads(scene, &OF_WALLS, &OF_PARTS));
     for (axis, side, _) in reservoirs_of(scene) {
         let before = format!("reservoir_{}.", face_name(axis, side));
         all.extend(describe(&OF_RESERVOIRS, &before));
     }
-    let of_probes = probe_signals(scene).into_iter();
-    all.extend(of_probes.map(|(name, unit, meaning)| Signal {
-        name,
-        unit: unit.into(),
-        meaning,
-        sampled: true,
-    }));
+    all.extend(describe_probes(scene));
     all
 }

@@ -2,6 +2,7 @@
 
 use crate::boundary::virtual_piston::face::reservoirs_of;
 use tremie_fluid_kit::cells::grid::face_name;
+use tremie_fluid_kit::checks::material_check::check_material;
 use tremie_messages::Problem;
 use tremie_messages::scene::{
     Course, DeformableSurface, Domain, Face, FluidMaterial, Gap, GapRegion, GapRule, GapSide,
@@ -10,37 +11,7 @@ use tremie_messages::scene::{
 
 /// Checks of the scene that concern a fluid.
 pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
-    let Some(fluid) = &scene.fluid else {
-        problems.push(Problem::new("scene.fluid", "is missing, but the run has a fluid component"));
-        return;
-    };
-    for (key, value, unit) in
-        [("density", fluid.density, "kg/m³"), ("viscosity", fluid.viscosity, "Pa·s")]
-    {
-        if !(value.is_finite() && value > 0.0) {
-            problems.push(Problem::new(
-                format!("scene.fluid.{key}"),
-                format!("must be positive, found {value} {unit}"),
-            ));
-        }
-    }
-    if let Some(speed) = fluid.expected_speed
-        && !(speed.is_finite() && speed >= 0.0)
-    {
-        problems.push(Problem::new(
-            "scene.fluid.expected_speed",
-            format!("must not be negative, found {speed} m/s"),
-        ));
-    }
-    for (key, vector) in [
-        ("scene.gravity", scene.gravity),
-        ("scene.fluid.acceleration", fluid.acceleration),
-        ("scene.fluid.velocity", fluid.velocity),
-    ] {
-        if vector.iter().any(|x| !x.is_finite()) {
-            problems.push(Problem::new(key, format!("must be finite, found {vector:?}")));
-        }
-    }
+    let Some(fluid) = check_material(scene, problems) else { return };
     check_kind(scene, fluid, problems);
     check_domain(&scene.domain, problems);
     check_open(scene, problems);

@@ -3,9 +3,8 @@
 
 use crate::fluid::pic_fluid::FluidState;
 use crate::pressure::conjugate_gradients::PressureOutcome;
-use tremie_fluid_kit::cells::grid::face_name;
-use tremie_fluid_kit::probes::probe_signals::probe_signals;
-use tremie_fluid_kit::window::fluid_signals::walls;
+use tremie_fluid_kit::probes::probe_signals::describe_probes;
+use tremie_fluid_kit::window::fluid_signals::{describe_loads, part_rows, wall_rows};
 use tremie_sdk::messages::Load;
 use tremie_sdk::messages::scene::Scene;
 use tremie_sdk::messages::start::Signal;
@@ -80,37 +79,15 @@ const TORQUE: &str = "torque of the same about the origin of the part's frame";
 const WALL: &str = "force of the fluid on this face of the domain: pressure with its hydrostatic part, and shear; no contacts";
 
 /// Signals of each wall and symmetry plane of the domain, named `x_lower.value`; of its force [N].
-pub const OF_WALLS: [SignalRow<[f64; 3]>; 3] = [
-    ("wall_force_x", "N", WALL, |force| force[0]),
-    ("wall_force_y", "N", WALL, |force| force[1]),
-    ("wall_force_z", "N", WALL, |force| force[2]),
-];
+pub const OF_WALLS: [SignalRow<[f64; 3]>; 3] = wall_rows(WALL);
 
 /// Signals of each part, named `part.value`.
-pub const OF_PARTS: [SignalRow<Load>; 6] = [
-    ("force_x", "N", FORCE, |load| load.force[0]),
-    ("force_y", "N", FORCE, |load| load.force[1]),
-    ("force_z", "N", FORCE, |load| load.force[2]),
-    ("torque_x", "N m", TORQUE, |load| load.torque[0]),
-    ("torque_y", "N m", TORQUE, |load| load.torque[1]),
-    ("torque_z", "N m", TORQUE, |load| load.torque[2]),
-];
+pub const OF_PARTS: [SignalRow<Load>; 6] = part_rows(FORCE, TORQUE);
 
 /// All signals of a scene, in the order in which they are told.
 pub fn signals(scene: &Scene) -> Vec<Signal> {
     let mut all: Vec<_> = describe(&OF_FLUID, "").collect();
-    for (axis, side) in walls(scene) {
-        all.extend(describe(&OF_WALLS, &format!("{}.", face_name(axis, side))));
-    }
-    for part in &scene.parts {
-        all.extend(describe(&OF_PARTS, &format!("{}.", part.name)));
-    }
-    let of_probes = probe_signals(scene).into_iter();
-    all.extend(of_probes.map(|(name, unit, meaning)| Signal {
-        name,
-        unit: unit.into(),
-        meaning,
-        sampled: true,
-    }));
+    all.extend(describe_loads(scene, &OF_WALLS, &OF_PARTS));
+    all.extend(describe_probes(scene));
     all
 }

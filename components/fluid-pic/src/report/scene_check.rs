@@ -1,31 +1,14 @@
 //! Demands of a scene that this fluid cannot meet.
 
 use tremie_fluid_kit::cells::grid::face_name;
+use tremie_fluid_kit::checks::material_check::check_material;
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Face, Motion, PartBoundary, Scene};
 
 /// Checks of the scene that concern a fluid.
 pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
-    let Some(fluid) = &scene.fluid else {
-        problems.push(Problem::new("scene.fluid", "is missing, but the run has a fluid component"));
+    if check_material(scene, problems).is_none() {
         return;
-    };
-    for (key, value, unit) in
-        [("density", fluid.density, "kg/m³"), ("viscosity", fluid.viscosity, "Pa·s")]
-    {
-        if !(value.is_finite() && value > 0.0) {
-            let found = format!("must be positive, found {value} {unit}");
-            problems.push(Problem::new(format!("scene.fluid.{key}"), found));
-        }
-    }
-    for (key, vector) in [
-        ("scene.gravity", scene.gravity),
-        ("scene.fluid.acceleration", fluid.acceleration),
-        ("scene.fluid.velocity", fluid.velocity),
-    ] {
-        if vector.iter().any(|x| !x.is_finite()) {
-            problems.push(Problem::new(key, format!("must be finite, found {vector:?}")));
-        }
     }
     check_faces(&scene.domain, problems);
     for (index, part) in scene.parts.iter().enumerate() {
