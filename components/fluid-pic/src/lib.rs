@@ -16,7 +16,7 @@
 //! // A box of 1 m, half full, and a light disc under water.
 //! let grid = StaggeredGrid::new([20, 20], 0.05, [0.0; 2], [false; 2]);
 //! let settings = PicSettings::water([0.0, -9.81]);
-//! let mut solver = PicSolver::new(grid, settings, 1, |_, _| false, Vec::new())?;
+//! let mut solver = PicSolver::new(grid, settings, 1, Vec::new(), Vec::new())?;
 //! let disc = RigidBody::ball([0.5, 0.25], 0.15).with_mass(7.0);
 //! let is_wet = |x: [f64; 2]| x[1] < 0.5 && !disc.holds(x);
 //! seed(&solver.grid, &mut solver.particles, 2, 0.5, 1, is_wet, |_| [0.0; 2]);
@@ -65,5 +65,6 @@ pub use solids::section::Section;
 pub use solids::surface_solid::SurfaceSolid;
 pub use solver::free_surface::SurfaceOrder;
 pub use solver::loads::FluidSums;
+pub use solver::open_faces::{FaceFlow, OpenFace};
 pub use solver::pic_settings::{BoxWall, PicSettings};
 pub use solver::pic_solver::PicSolver;

@@ -5,7 +5,8 @@ use tremie_messages::scene::{Course, Face, OpenVelocity, PartBoundary, Profile, 
 
 /// The net rate of flow through faces with a given velocity, where no pressure lets it balance.
 pub(super) fn findings(scene: &Scene) -> Option<Finding> {
-    scene.fluid.as_ref()?;
+    // A free surface rises and falls by what flows in and out.
+    scene.fluid.as_ref().filter(|fluid| fluid.fill.is_empty())?;
     let faces = || scene.domain.faces.iter().flatten();
     // A pressure at a face, or a part that is no wall, lets any rate in or out.
     let balanced = faces().any(|face| matches!(face, Face::Pressure { .. }))

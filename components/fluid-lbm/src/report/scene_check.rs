@@ -54,6 +54,12 @@ fn check_kind(scene: &Scene, fluid: &FluidMaterial, problems: &mut Vec<Problem>)
         let help = "leave the regions out, or take a fluid with a surface: fluid = \"fluid-pic\"";
         problems.push(Problem::new("scene.fluid.fill[0]", found).help(help));
     }
+    if let Some(axis) = (0..3).find(|&a| scene.domain.levels[a].iter().any(Option::is_some)) {
+        let name = ["x", "y", "z"][axis];
+        let found = "an open face has a level, but the lattice-Boltzmann fluid has no free surface";
+        let help = "leave the level out, or take a fluid with a surface: fluid = \"fluid-pic\"";
+        problems.push(Problem::new(format!("scene.domain.{name}"), found).help(help));
+    }
     if scene.domain.across.is_some() {
         let found =
             "the scene is plane, but the lattice-Boltzmann fluid knows scenes in space only";

@@ -8,6 +8,7 @@ pub mod component;
 pub mod contact_prediction;
 pub mod error;
 pub mod pic_fluid;
+pub mod scene_faces;
 pub mod scene_solids;
 #[cfg(feature = "component")]
 pub mod signals;

@@ -8,6 +8,7 @@
 use crate::domain::parameters::{ContactForces, Parameters};
 use crate::fluid::body_registry::BodyRegistry;
 use crate::fluid::error::FluidError;
+use crate::fluid::scene_faces::SceneFaces;
 use crate::fluid::scene_solids::{SceneSolids, solids_at_rest};
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::seeding::seed;
@@ -17,13 +18,13 @@ use crate::report::resolution::{FillRegions, Resolution, flattened};
 use crate::solids::rigid_body::{Freedom, RigidBody};
 use crate::solids::section::Section;
 use crate::solver::loads::FluidSums;
-use crate::solver::pic_settings::{BoxWall, PicSettings};
+use crate::solver::pic_settings::PicSettings;
 use crate::solver::pic_solver::PicSolver;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::probes::probe_plan::{ProbePlan, ProbeSum};
 use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
-use tremie_messages::scene::{Domain, Face, ProbeShape, Scene};
+use tremie_messages::scene::{Domain, ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_team::Team;
 
@@ -32,6 +33,7 @@ pub struct PicFluid<const D: usize> {
     solver: PicSolver<D>,
     section: Section<D>,
     solids: SceneSolids<D>,
+    faces: SceneFaces<D>,
     registry: BodyRegistry,
     bodies: Vec<RigidBody<D>>,
     loads: Vec<Wrench>,
@@ -57,6 +59,8 @@ pub struct FluidState {
     pub sums: FluidSums<3>,
     /// Volume at the start [m³].
     pub first_volume: f64,
+    /// Volumes that entered through open faces, and that left [m³].
+    pub passed: [f64; 2],
     /// Wet cells.
     pub wet_cells: usize,
     /// Particles.
@@ -69,20 +73,6 @@ pub struct FluidState {
     pub courant: f64,
     /// Force of pressure and shear on all bodies, and of shear alone [N].
     pub on_bodies: [[f64; 3]; 2],
-}
-
-/// Walls of the box as the fluid's shear feels them.
-fn box_walls<const D: usize>(
-    scene: &Scene,
-    section: &Section<D>,
-    sticks: bool,
-) -> [[BoxWall<D>; 2]; D] {
-    std::array::from_fn(|a| {
-        [0, 1].map(|side| match &scene.domain.faces[section.axes[a]][side] {
-            Face::Wall { velocity, .. } if sticks => BoxWall::Stick(section.along(*velocity)),
-            _ => BoxWall::Slip,
-        })
-    })
 }
 
 impl PicFluid<3> {
@@ -149,7 +139,9 @@ impl<const D: usize> PicFluid<D> {
         let fluid = scene.fluid.as_ref().expect("a scene that was checked has a fluid");
         let cells = section.axes.map(|axis| resolution.cells[axis]);
         let origin = section.along(scene.domain.min);
-        let grid = StaggeredGrid::new(cells, resolution.cell, origin, [false; D]);
+        let periodic = section.axes.map(|axis| scene.domain.is_periodic(axis));
+        let grid = StaggeredGrid::new(cells, resolution.cell, origin, periodic);
+        let faces = SceneFaces::new(scene, &section, resolution.sticks);
         let settings = PicSettings {
             density: fluid.density,
             viscosity: fluid.viscosity / fluid.density,
@@ -164,7 +156,7 @@ impl<const D: usize> PicFluid<D> {
             },
             particles_per_axis: parameters.particles_per_axis,
             fills_all: resolution.fills_all,
-            walls: box_walls(scene, &section, resolution.sticks),
+            walls: faces.walls(0.0),
             bodies_stick: resolution.sticks,
             relaxation: parameters.relaxation,
         };
@@ -172,13 +164,14 @@ impl<const D: usize> PicFluid<D> {
         let no_threads = |error: std::io::Error| {
             vec![Problem::new("components", format!("the system gives no threads: {error}"))]
         };
-        let mut solver =
-            PicSolver::new(grid, settings, threads, |_, _| false, at_rest).map_err(no_threads)?;
+        let mut solver = PicSolver::new(grid, settings, threads, faces.open.clone(), at_rest)
+            .map_err(no_threads)?;
         let reader = Team::new("fluid-pic-probes", 1).map_err(no_threads)?;
         seed_scene(&mut solver, &section, scene, parameters, ground);
         let stored = |at: [i32; 3]| Some(ground.grid.index(at) as u32);
         Ok(Self {
             solids: SceneSolids::new(scene, ground, section, depth),
+            faces,
             section,
             registry: BodyRegistry::default(),
             bodies: Vec::new(),
@@ -280,6 +273,9 @@ impl<const D: usize> PicFluid<D> {
     }
 
     fn find_loads(&mut self) -> Result<(), FluidError> {
+        let end = self.time + self.dt;
+        self.solver.set_open_factors(self.faces.factors(end));
+        self.solver.set_walls(self.faces.walls(end));
         let outcome = self.solver.find_loads(self.dt, &self.bodies, &mut self.loads);
         self.outcome = Some(outcome);
         if !outcome.residual.is_finite() {
@@ -349,6 +345,7 @@ impl<const D: usize> PicFluid<D> {
                 farthest: section.to_world(sums.farthest).into(),
             },
             first_volume: self.first_volume * depth,
+            passed: self.solver.passed_volumes().map(|volume| volume * depth),
             wet_cells: self.solver.wet_cells(),
             particles: self.solver.particles.len(),
             outcome: self.outcome,

@@ -22,16 +22,22 @@ impl FluidState {
 }
 
 /// Signals of the whole fluid.
-pub const OF_FLUID: [SignalRow<FluidState>; 24] = [
+pub const OF_FLUID: [SignalRow<FluidState>; 26] = [
     ("max_speed", "m/s", "largest speed of a particle", |s| s.sums.max_speed),
     ("courant", "1", "cells that it crosses in a step", |s| s.courant),
     ("volume", "m³", "volume of the fluid", |s| s.sums.volume),
     (
         "volume_drift",
         "1",
-        "size of its change since the start, over that at the start: the method's error",
-        |s| (s.sums.volume / s.first_volume - 1.0).abs(),
+        "size of its change since the start, less what passed open faces, over that at the start and what entered: the method's error",
+        |s| {
+            let [entered, left] = s.passed;
+            let change = s.sums.volume - s.first_volume - entered + left;
+            (change / (s.first_volume + entered)).abs()
+        },
     ),
+    ("volume_entered", "m³", "volume that entered through open faces", |s| s.passed[0]),
+    ("volume_left", "m³", "volume that left through them", |s| s.passed[1]),
     ("kinetic_energy", "J", "kinetic energy of the particles", |s| s.sums.kinetic),
     (
         "potential_energy",

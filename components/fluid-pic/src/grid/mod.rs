@@ -1,4 +1,5 @@
 //! The staggered grid: cells, their rows, and how arrays of them lie in memory.
 
 pub mod cell_rows;
+pub mod periodic_ghosts;
 pub mod staggered_grid;

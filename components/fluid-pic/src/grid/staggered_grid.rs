@@ -1,5 +1,7 @@
 //! A box of cells with velocities on their faces (Harlow & Welch, *Phys. Fluids* 8 (1965) 2182).
 
+use crate::grid::periodic_ghosts::PeriodicGhosts;
+
 /// Ghost cells on each side of the box.
 pub const GHOST: usize = 1;
 
@@ -37,6 +39,8 @@ pub struct StaggeredGrid<const D: usize> {
     pub stride: [usize; D],
     /// Stored cells, ghosts included.
     pub stored: usize,
+    /// Ghosts that stand for cells at the other end.
+    pub ghosts: PeriodicGhosts,
 }
 
 impl<const D: usize> StaggeredGrid<D> {
@@ -47,7 +51,8 @@ impl<const D: usize> StaggeredGrid<D> {
     pub fn new(cells: [usize; D], spacing: f64, origin: [f64; D], periodic: [bool; D]) -> Self {
         assert!(cells.iter().all(|&n| n > 0), "a grid has cells: {cells:?}");
         let (stride, stored) = storage(cells.map(room));
-        Self { cells, spacing, origin, periodic, stride, stored }
+        let ghosts = PeriodicGhosts::new(cells, cells.map(room), periodic);
+        Self { cells, spacing, origin, periodic, stride, stored, ghosts }
     }
 
     /// Stored cells of a row.
@@ -60,11 +65,55 @@ impl<const D: usize> StaggeredGrid<D> {
         self.cells.iter().product()
     }
 
+    /// True if an axis wraps around.
+    pub fn is_periodic(&self) -> bool {
+        self.periodic.contains(&true)
+    }
+
+    /// The cell in the box that one beyond the ends of axes that wrap around stands for.
+    #[inline]
+    pub fn wrapped(&self, at: [isize; D]) -> [isize; D] {
+        std::array::from_fn(|a| {
+            if self.periodic[a] { at[a].rem_euclid(self.cells[a] as isize) } else { at[a] }
+        })
+    }
+
+    /// The coordinate inside that one along an axis stands for, if the axis wraps around [m].
+    #[inline]
+    pub fn wrapped_along(&self, axis: usize, along: f64) -> f64 {
+        if !self.periodic[axis] {
+            return along;
+        }
+        let length = self.cells[axis] as f64 * self.spacing;
+        self.origin[axis] + (along - self.origin[axis]).rem_euclid(length)
+    }
+
+    /// A point, or that among those which it stands for along axes that wrap around which is
+    /// nearest to the middle of a box [m]. Boxes as long as the axis hold the point itself.
+    #[inline]
+    pub fn nearest_image(&self, point: [f64; D], box_of: [[f64; D]; 2]) -> [f64; D] {
+        std::array::from_fn(|a| {
+            let length = self.cells[a] as f64 * self.spacing;
+            let [low, high] = [box_of[0][a], box_of[1][a]];
+            if !self.periodic[a] || high - low >= length {
+                return point[a];
+            }
+            let off = point[a] - 0.5 * (low + high);
+            point[a] - length * (off / length).round()
+        })
+    }
+
     /// Place in memory of a cell; -1 and the number of cells along an axis are ghosts.
     #[inline]
     pub fn place(&self, at: [isize; D]) -> usize {
         let along = |a: usize| (at[a] + GHOST as isize) as usize * self.stride[a];
         (0..D).map(along).sum()
+    }
+
+    /// Place in memory of the cell that one at a place stands for.
+    #[inline]
+    pub fn place_inside(&self, place: usize) -> usize {
+        if self.is_periodic() { self.place(self.wrapped(self.cell_at(place))) } else { place }
     }
 
     /// The cell at a place in memory.

@@ -134,11 +134,10 @@ impl<const D: usize> ParticleMotion<'_, D> {
 
     fn inside(&self, point: [f64; D]) -> [f64; D] {
         std::array::from_fn(|a| {
-            let (lower, length) = (self.lower[a], self.upper[a] - self.lower[a]);
             if self.grid.periodic[a] {
-                lower + (point[a] - lower).rem_euclid(length)
+                self.grid.wrapped_along(a, point[a])
             } else {
-                point[a].clamp(lower, self.upper[a])
+                point[a].clamp(self.lower[a], self.upper[a])
             }
         })
     }

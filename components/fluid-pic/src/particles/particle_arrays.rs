@@ -51,12 +51,14 @@ impl<const D: usize> ParticleArrays<D> {
         std::array::from_fn(|a| self.position[a][particle])
     }
 
-    /// Adds a particle.
+    /// Adds a particle; where there are gradients, its own is zero.
     pub fn push(&mut self, position: [f64; D], velocity: [f64; D]) {
         for a in 0..D {
             self.position[a].push(position[a]);
             self.velocity[a].push(velocity[a]);
         }
+        let gradients = self.gradient.iter_mut().flatten();
+        gradients.filter(|gradient| !gradient.is_empty()).for_each(|gradient| gradient.push(0.0));
     }
 
     /// Takes from the velocity of a particle what goes into a wall of a normal and velocity.

@@ -41,6 +41,8 @@ pub fn to_faces<const D: usize>(
             });
         }
     }
+    grid.ghosts.fold(mass);
+    grid.ghosts.fold(velocity);
     for (mass, velocity) in mass.iter_mut().zip(velocity) {
         *velocity = if *mass > 0.0 { *velocity / *mass } else { 0.0 };
         *mass *= particles.mass;
@@ -58,6 +60,7 @@ pub fn to_cells<const D: usize>(
         let around = HatWeights::new(grid, None, particles.at(particle));
         around.each(grid, |place, weight| mass[place] += weight);
     }
+    grid.ghosts.fold(mass);
     mass.iter_mut().for_each(|mass| *mass *= particles.mass);
 }
 

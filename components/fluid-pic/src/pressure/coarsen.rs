@@ -5,6 +5,7 @@
 //! is, at distance `1 / coupling` of the fine cell's centre; the coarse cell's centre lies half a
 //! fine cell farther away.
 
+use crate::grid::periodic_ghosts::PeriodicGhosts;
 use crate::grid::staggered_grid::{room, storage};
 use crate::pressure::stencil::Stencil;
 
@@ -22,24 +23,56 @@ pub struct LevelShape<const D: usize> {
     pub stored: usize,
     /// Cells along each axis of one of the next level: 1 or 2.
     pub pair: [usize; D],
+    /// Axes that wrap around.
+    pub periodic: [bool; D],
 }
 
 impl<const D: usize> LevelShape<D> {
     /// Of a number of cells along each axis, stored as a grid is.
-    pub fn new(cells: [usize; D]) -> Self {
+    pub fn new(cells: [usize; D], periodic: [bool; D]) -> Self {
         let pair = cells.map(|n| if n > 1 { 2 } else { 1 });
-        Self { pair, ..Self::stored_as(cells, cells.map(room)) }
+        Self { pair, periodic, ..Self::stored_as(cells, cells.map(room)) }
+    }
+
+    /// True if the last cell along an axis that wraps around makes no pair: it has the first cell
+    /// as its neighbour. Nothing is interpolated from one to the other.
+    pub fn has_seam(&self, axis: usize) -> bool {
+        self.periodic[axis] && self.pair[axis] == 2 && self.cells[axis] % 2 == 1
+    }
+
+    /// Place of the cell below one along an axis: at the other end, if the axis wraps around.
+    #[inline]
+    pub fn below(&self, axis: usize, place: usize) -> usize {
+        let stride = self.stride[axis];
+        let is_first = place / stride % (self.room[axis] + 2) == 1;
+        if self.periodic[axis] && is_first {
+            place + (self.cells[axis] - 1) * stride
+        } else {
+            place - stride
+        }
+    }
+
+    /// True if a place is beyond the last cell along an axis.
+    #[inline]
+    fn is_padding(&self, place: usize) -> bool {
+        (0..D).any(|a| place / self.stride[a] % (self.room[a] + 2) > self.cells[a])
+    }
+
+    /// Ghosts that stand for cells at the other end, along axes that `wraps`.
+    pub fn ghosts(&self, wraps: impl Fn(usize) -> bool) -> PeriodicGhosts {
+        let along = std::array::from_fn(|a| self.periodic[a] && wraps(a));
+        PeriodicGhosts::new(self.cells, self.room, along)
     }
 
     /// Of a number of cells, with room for as many as said.
     pub fn stored_as(cells: [usize; D], room: [usize; D]) -> Self {
         let (stride, stored) = storage(room);
-        Self { cells, room, stride, stored, pair: [1; D] }
+        Self { cells, room, stride, stored, pair: [1; D], periodic: [false; D] }
     }
 
     /// The next level's.
     pub fn coarser(&self) -> Self {
-        Self::new(std::array::from_fn(|a| self.cells[a].div_ceil(self.pair[a])))
+        Self::new(std::array::from_fn(|a| self.cells[a].div_ceil(self.pair[a])), self.periodic)
     }
 
     /// Stored cells of a row.
@@ -107,7 +140,9 @@ pub fn coarsen<const D: usize>(
     let children = fine_shape.children();
     coarse.diagonal.fill(0.0);
     coarse.coupling.iter_mut().for_each(|coupling| coupling.fill(0.0));
-    let is_active = |at: usize| fine.diagonal[at] > 0.0;
+    let may_pad = (0..D).any(|a| fine_shape.has_seam(a));
+    let is_child = |at: usize| !may_pad || !fine_shape.is_padding(at);
+    let is_active = |at: usize| fine.diagonal[at] > 0.0 && is_child(at);
     for place in ghostless(shape) {
         let first = fine_shape.first_child(shape, place);
         let mut to_surface = 0.0;
@@ -121,11 +156,14 @@ pub fn coarsen<const D: usize>(
             let lowest = children.iter().filter(|&&child| {
                 (child / fine_shape.stride[a]).is_multiple_of(fine_shape.room[a] + 2)
             });
-            let sum: f32 = lowest.map(|child| first + child).map(|at| fine.coupling[a][at]).sum();
+            let inside = lowest.map(|child| first + child).filter(|&at| is_child(at));
+            let sum: f32 = inside.map(|at| fine.coupling[a][at]).sum();
             coarse.coupling[a][place] = sum / fine_shape.pair[a] as f32;
         }
         coarse.diagonal[place] = to_surface;
     }
+    let Stencil { coupling, ghosts, .. } = &mut *coarse;
+    coupling.iter_mut().for_each(|coupling| ghosts.fill(coupling));
     for place in ghostless(shape) {
         let mut sum = 0.0;
         for a in 0..D {

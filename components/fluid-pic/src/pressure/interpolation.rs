@@ -11,6 +11,7 @@
 //! with the open part of the face, so that nothing is interpolated through a wall. Towards air,
 //! where `q` is 0 at the surface, it is steeper.
 
+use crate::grid::periodic_ghosts::PeriodicGhosts;
 use crate::pressure::coarsen::LevelShape;
 use tremie_team::{Cut, Team};
 
@@ -23,6 +24,10 @@ pub struct Interpolation<const D: usize> {
     shapes: Vec<LevelShape<D>>,
     /// An array for each shape between the fine level and the coarse one.
     between: Vec<Vec<f32>>,
+    /// Ghosts of shape k along axis k, from which the level is made coarser.
+    finer: Vec<PeriodicGhosts>,
+    /// Ghosts of shape k + 1 along axis k, from which it is refined.
+    coarser: Vec<PeriodicGhosts>,
 }
 
 /// Rows of a shape: start of each in memory, and the place of the row of coarse cells above which
@@ -44,11 +49,17 @@ impl<const D: usize> Interpolation<D> {
                     std::array::from_fn(|a| if a < k { coarse[a] } else { fine[a] })
                 };
                 let all = std::array::from_fn(|a| fine.pair[a] * coarse.cells[a]);
-                LevelShape::stored_as(of(coarse.cells, all), of(coarse.room, fine.room))
+                let shape =
+                    LevelShape::stored_as(of(coarse.cells, all), of(coarse.room, fine.room));
+                LevelShape { periodic: fine.periodic, ..shape }
             })
             .collect();
+        // Where the number of cells is odd, ghosts are no neighbours.
+        let joined = |k: usize| move |a: usize| a == k && !fine.has_seam(a);
+        let finer = (0..D).map(|k| shapes[k].ghosts(joined(k))).collect();
+        let coarser = (0..D).map(|k| shapes[k + 1].ghosts(joined(k))).collect();
         let between: Vec<_> = shapes[1..D].iter().map(|shape| vec![0.0; shape.stored]).collect();
-        Self { shapes, between }
+        Self { shapes, between, finer, coarser }
     }
 
     /// The row of the shape `k` that begins at a multiple of its row's length.
@@ -104,18 +115,20 @@ impl<const D: usize> Interpolation<D> {
         });
     }
 
-    /// Sums the residuals of the fine level into the right side of the coarse one.
+    /// Sums the residuals of the fine level into the right side of the coarse one. Ghosts of `rest`
+    /// become those of the axes that wrap around, but for a seam.
     pub fn restrict(
         &mut self,
         team: &mut Team,
-        rest: &[f32],
+        rest: &mut [f32],
         slope: &[Vec<f32>; D],
         coarse: &mut [f32],
     ) {
         let mut between = std::mem::take(&mut self.between);
         for k in 0..D {
             let (done, open) = between.split_at_mut(k.min(D - 1));
-            let from = if k == 0 { rest } else { &done[k - 1] };
+            let from = if k == 0 { &mut *rest } else { &mut done[k - 1][..] };
+            self.finer[k].fill(from);
             let to = if k + 1 == D { &mut *coarse } else { &mut open[0][..] };
             self.restrict_along(team, k, from, &slope[k], to);
         }
@@ -172,7 +185,7 @@ impl<const D: usize> Interpolation<D> {
     pub fn prolong(
         &mut self,
         team: &mut Team,
-        coarse: &[f32],
+        coarse: &mut [f32],
         slope: &[Vec<f32>; D],
         inverse: &[f32],
         q: &mut [f32],
@@ -180,10 +193,12 @@ impl<const D: usize> Interpolation<D> {
         let mut between = std::mem::take(&mut self.between);
         for k in (1..D).rev() {
             let (open, done) = between.split_at_mut(k);
-            let from = if k + 1 == D { coarse } else { &done[0] };
+            let from = if k + 1 == D { &mut *coarse } else { &mut done[0][..] };
+            self.coarser[k].fill(from);
             self.prolong_along(team, k, from, &slope[k], &mut open[k - 1]);
         }
-        let from = if D == 1 { coarse } else { &between[0] };
+        let from = if D == 1 { coarse } else { &mut between[0][..] };
+        self.coarser[0].fill(from);
         self.prolong_last(team, from, &slope[0], inverse, q);
         self.between = between;
     }
@@ -272,7 +287,7 @@ mod tests {
     #[test]
     fn restriction_is_the_transpose_of_interpolation() {
         let mut team = Team::new("test", 2).unwrap();
-        let fine = LevelShape::<3>::new([7, 1, 6]);
+        let fine = LevelShape::<3>::new([7, 1, 6], [false; 3]);
         let coarse = fine.coarser();
         let mut interpolation = Interpolation::new(&fine);
         let mut seed = 7_u32;
@@ -291,7 +306,7 @@ mod tests {
         let mut values = |shape: &LevelShape<3>| -> Vec<f32> {
             (0..shape.stored).map(|at| if inside(shape, at) { random() } else { 0.0 }).collect()
         };
-        let (r, q) = (values(&fine), values(&coarse));
+        let (mut r, mut q) = (values(&fine), values(&coarse));
         let mut slope: [Vec<f32>; 3] = std::array::from_fn(|_| values(&coarse));
         // No slope through the faces of the box.
         for a in 0..3 {
@@ -302,9 +317,9 @@ mod tests {
             }
         }
         let mut fine_q = vec![0.0; fine.stored];
-        interpolation.prolong(&mut team, &q, &slope, &vec![1.0; fine.stored], &mut fine_q);
+        interpolation.prolong(&mut team, &mut q, &slope, &vec![1.0; fine.stored], &mut fine_q);
         let mut coarse_r = vec![0.0; coarse.stored];
-        interpolation.restrict(&mut team, &r, &slope, &mut coarse_r);
+        interpolation.restrict(&mut team, &mut r, &slope, &mut coarse_r);
         let dot =
             |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| f64::from(a * b)).sum::<f64>();
         let (left, right) = (dot(&r, &fine_q), dot(&coarse_r, &q));

@@ -149,6 +149,7 @@ fn balance<T: RealField + Copy, const D: usize>(
         for entry in entries.clone() {
             scratch[coupling.cells[entry] as usize] += coupling.wrenches[entry][column];
         }
+        stencil.ghosts.fill(scratch);
         for entry in entries.clone() {
             let applied = stencil.applied_double(scratch, coupling.cells[entry] as usize);
             for row in 0..6 {
@@ -161,6 +162,7 @@ fn balance<T: RealField + Copy, const D: usize>(
         for entry in entries.clone() {
             scratch[coupling.cells[entry] as usize] = 0.0;
         }
+        stencil.ghosts.clear(scratch);
     }
     for (felt, &other) in felt.iter().zip(sharers) {
         let mobility = &coupling.mobility[other as usize];

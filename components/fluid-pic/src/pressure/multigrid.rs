@@ -24,6 +24,8 @@ const RESOLVED: [f64; 3] = [1.0, 1.0, 8.0];
 /// One level of the grids.
 struct Level<const D: usize> {
     shape: LevelShape<D>,
+    /// Axes whose ends join, but across which nothing is interpolated to the finer level.
+    is_seam: [bool; D],
     interpolation: Interpolation<D>,
     stencil: Stencil<f32, D>,
     coupling: BodyCoupling,
@@ -60,9 +62,9 @@ fn chebyshev(low: f64, high: f64) -> [f32; 2] {
 }
 
 impl<const D: usize> Multigrid<D> {
-    /// Of a grid of so many cells along each axis.
-    pub fn new(cells: [usize; D]) -> Self {
-        let mut shapes = vec![LevelShape::new(cells)];
+    /// Of a grid of so many cells along each axis, some of which wrap around.
+    pub fn new(cells: [usize; D], periodic: [bool; D]) -> Self {
+        let mut shapes = vec![LevelShape::new(cells, periodic)];
         while let Some(last) = shapes.last()
             && last.cells.iter().product::<usize>() > 8
             && shapes.len() < 24
@@ -71,8 +73,12 @@ impl<const D: usize> Multigrid<D> {
         }
         // Rough modes have eigenvalues of the scaled equation from 2 / D / 2 on, up to 2.
         let low = 1.0 / D as f64;
+        let seams = |k: usize| {
+            let finer = k.checked_sub(1).map(|finer| &shapes[finer]);
+            std::array::from_fn(|a| finer.is_some_and(|shape| shape.has_seam(a)))
+        };
         Self {
-            levels: shapes.into_iter().map(Level::new).collect(),
+            levels: (0..shapes.len()).map(|k| Level::new(shapes[k], seams(k))).collect(),
             used: 1,
             direct: None,
             unknowns: Vec::new(),
@@ -121,10 +127,11 @@ impl<const D: usize> Multigrid<D> {
             let at = at as usize;
             matrix[(row, row)] = f64::from(level.stencil.diagonal[at]) * (1.0 + REGULAR);
             for a in 0..D {
-                let below = (at - level.shape.stride[a]) as u32;
+                let below = level.shape.below(a, at) as u32;
                 if let Ok(column) = self.unknowns.binary_search(&below) {
-                    matrix[(row, column)] = -f64::from(level.stencil.coupling[a][at]);
-                    matrix[(column, row)] = -f64::from(level.stencil.coupling[a][at]);
+                    let coupling = f64::from(level.stencil.coupling[a][at]);
+                    matrix[(row, column)] -= coupling;
+                    matrix[(column, row)] -= coupling;
                 }
             }
         }
@@ -175,8 +182,9 @@ impl<const D: usize> Multigrid<D> {
         self.solve_coarsest();
         for k in (0..self.used - 1).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            let (fine, coarse) = (&mut fine[k], &coarse[0]);
-            fine.interpolation.prolong(team, &coarse.q, &coarse.slope, &fine.inverse, &mut fine.q);
+            let (fine, coarse) = (&mut fine[k], &mut coarse[0]);
+            let Level { interpolation, inverse, q, .. } = &mut *fine;
+            interpolation.prolong(team, &mut coarse.q, &coarse.slope, inverse, q);
             fine.smooth(team, variant, [self.weights[1], self.weights[0]]);
         }
     }
@@ -200,12 +208,13 @@ impl<const D: usize> Multigrid<D> {
 }
 
 impl<const D: usize> Level<D> {
-    fn new(shape: LevelShape<D>) -> Self {
+    fn new(shape: LevelShape<D>, is_seam: [bool; D]) -> Self {
         let zeros = || vec![0.0; shape.stored];
         Self {
             interpolation: Interpolation::new(&shape),
             shape,
-            stencil: Stencil::empty(shape.stored, shape.stride),
+            is_seam,
+            stencil: Stencil::empty(shape.stored, shape.stride, shape.ghosts(|_| true)),
             coupling: BodyCoupling::default(),
             light: LightBodies::default(),
             inverse: zeros(),
@@ -240,6 +249,7 @@ impl<const D: usize> Level<D> {
         for at in self.stencil.rows.all_spans().flatten() {
             self.held[at] = held_by_air(&self.stencil, at);
         }
+        self.stencil.ghosts.fill(&mut self.held);
         self.full = self
             .stencil
             .coupling
@@ -277,11 +287,17 @@ impl<const D: usize> Level<D> {
     /// Slopes of the interpolation across the faces of one axis.
     fn derive_slopes(&mut self, axis: usize) {
         let (stride, stored) = (self.shape.stride[axis], self.shape.stored);
+        let (length, last) = (self.shape.room[axis] + 2, self.shape.cells[axis] + 1);
         let (coupling, full) = (&self.stencil.coupling[axis], self.full[axis]);
         let is_active = |at: usize| self.inverse[at] > 0.0;
         let slope = &mut self.slope[axis];
         slope[..stride].fill(0.0);
         for at in stride..stored {
+            let along = at / stride % length;
+            if self.is_seam[axis] && (along == 1 || along == last) {
+                slope[at] = 0.0;
+                continue;
+            }
             slope[at] = match (is_active(at - stride), is_active(at)) {
                 (true, true) => 0.25 * coupling[at] / full,
                 (false, true) => 0.25 * (self.held[at] / full).min(4.0),
@@ -296,6 +312,7 @@ impl<const D: usize> Level<D> {
         let Self { stencil, coupling, q, b, rest, .. } = self;
         stencil.residual(team, variant, q, b, rest);
         coupling.apply(q, rest, |_| -1.0);
+        stencil.ghosts.clear(rest);
     }
 
     /// Balances light bodies, in their order or back.
@@ -303,6 +320,7 @@ impl<const D: usize> Level<D> {
         let Self { stencil, coupling, light, q, b, rest, .. } = self;
         for k in 0..light.count() {
             let number = if is_back { light.count() - 1 - k } else { k };
+            stencil.ghosts.fill(q);
             light.balance(number, stencil, coupling, b, q, rest);
         }
     }

@@ -1,6 +1,8 @@
 //! The equation of a cell with its neighbours along the axes, row by row.
 
 use crate::grid::cell_rows::CellRows;
+use crate::grid::periodic_ghosts::PeriodicGhosts;
+use crate::grid::staggered_grid::StaggeredGrid;
 use nalgebra::{RealField, convert_unchecked};
 use std::ops::Range;
 use tremie_team::{Team, Variant};
@@ -18,6 +20,8 @@ pub struct Stencil<T, const D: usize> {
     pub stride: [usize; D],
     /// Rows of cells that take part.
     pub rows: CellRows,
+    /// Ghosts that stand for cells at the other end.
+    pub ghosts: PeriodicGhosts,
 }
 
 /// Neighbours of a span of cells along all axes, and the couplings to them.
@@ -59,17 +63,23 @@ impl<'a, T: RealField + Copy, const D: usize> CellNeighbours<'a, T, D> {
 }
 
 impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
+    /// Without any coefficients, of the cells of a grid.
+    pub fn of_grid(grid: &StaggeredGrid<D>) -> Self {
+        Self::empty(grid.stored, grid.stride, grid.ghosts.clone())
+    }
+
     /// Without any coefficients.
-    pub fn empty(stored: usize, stride: [usize; D]) -> Self {
+    pub fn empty(stored: usize, stride: [usize; D], ghosts: PeriodicGhosts) -> Self {
         Self {
             diagonal: vec![T::zero(); stored],
             coupling: std::array::from_fn(|_| vec![T::zero(); stored]),
             stride,
             rows: CellRows::default(),
+            ghosts,
         }
     }
 
-    /// `A q` in one cell.
+    /// `A q` in one cell; ghosts of `q` have their values.
     #[inline]
     pub fn applied_at(&self, q: &[T], at: usize) -> T {
         let mut sum = self.diagonal[at] * q[at];
@@ -80,7 +90,7 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
         sum
     }
 
-    /// `A q` in one cell, in double precision.
+    /// `A q` in one cell, in double precision; ghosts of `q` have their values.
     #[inline]
     pub fn applied_double(&self, q: &[f64], at: usize) -> f64 {
         let double = convert_unchecked::<T, f64>;
@@ -92,10 +102,13 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
         sum
     }
 
-    /// Finds the rows of cells that have an equation; a row has `length` stored cells.
+    /// Finds the rows of cells that have an equation; a row has `length` stored cells. Ghosts get
+    /// the coefficients of the cells that they stand for, but no equation.
     pub fn find_rows(&mut self, length: usize) {
-        let Self { diagonal, rows, .. } = self;
+        let Self { diagonal, coupling, rows, ghosts, .. } = self;
         rows.rebuild(diagonal.len(), length, |at| diagonal[at] > T::zero());
+        ghosts.fill(diagonal);
+        coupling.iter_mut().for_each(|coupling| ghosts.fill(coupling));
     }
 
     /// Writes to the cells of all rows what `value` says of cell `i` of a span: with its neighbours,
@@ -105,10 +118,12 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
         &self,
         team: &mut Team,
         variant: Variant,
-        (q, others): (&[T], [&[T]; K]),
+        (q, others): (&mut [T], [&[T]; K]),
         out: &mut [T],
         value: impl Fn(&CellNeighbours<T, D>, [&[T]; K], usize) -> T + Sync,
     ) {
+        self.ghosts.fill(q);
+        let q = &*q;
         self.rows.fill(team, variant, out, |span, out| {
             let around = CellNeighbours::of(self, q, span);
             let others = others.map(|array| &array[span.clone()]);
@@ -119,12 +134,12 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
     }
 
     /// `out = A q`.
-    pub fn apply(&self, team: &mut Team, variant: Variant, q: &[T], out: &mut [T]) {
+    pub fn apply(&self, team: &mut Team, variant: Variant, q: &mut [T], out: &mut [T]) {
         self.each(team, variant, (q, []), out, |around, [], i| around.applied(i));
     }
 
     /// `out = b - A q`.
-    pub fn residual(&self, team: &mut Team, variant: Variant, q: &[T], b: &[T], out: &mut [T]) {
+    pub fn residual(&self, team: &mut Team, variant: Variant, q: &mut [T], b: &[T], out: &mut [T]) {
         self.each(team, variant, (q, [b]), out, |around, [b], i| b[i] - around.applied(i));
     }
 
@@ -138,7 +153,7 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
         variant: Variant,
         weight: T,
         inverse: &[T],
-        q: &[T],
+        q: &mut [T],
         b: &[T],
         out: &mut [T],
     ) {

@@ -125,12 +125,13 @@ impl Parameters {
         let h = self.cell.0;
         let fluid = scene.fluid.as_ref().expect("a scene that was checked has a fluid");
         let expected_speed = fluid.expected_speed.filter(|speed| *speed > 0.0);
-        let expected_speed = match expected_speed.or_else(|| fall_speed(scene, wet)) {
+        let by_itself =
+            || [fall_speed(scene, wet), inflow_speed(scene)].into_iter().flatten().reduce(f64::max);
+        let expected_speed = match expected_speed.or_else(by_itself) {
             Some(speed) => speed,
             None if self.time_step.is_some() => 0.0,
             None => {
-                let found =
-                    "neither gravity nor an expected speed says how long a time step may be";
+                let found = "neither gravity, nor a velocity at a face, nor an expected speed says how long a time step may be";
                 let help = "write expected_speed = \"1 m/s\", or time_step in the fluid's settings";
                 return Err(vec![Problem::new("scene.fluid.expected_speed", found).help(help)]);
             }
@@ -249,6 +250,22 @@ impl Wet {
 fn fall_speed(scene: &Scene, wet: &Wet) -> Option<f64> {
     let (_, g) = down(scene)?;
     Some((2.0 * g.abs() * wet.top).sqrt())
+}
+
+/// Largest speed that a face of the domain gives the fluid [m/s].
+fn inflow_speed(scene: &Scene) -> Option<f64> {
+    let of = |face: &Face| match face {
+        Face::Velocity(open) => {
+            let speed = open.velocity.iter().map(|u| u * u).sum::<f64>().sqrt();
+            Some(speed * open.course.largest())
+        }
+        Face::Wall { velocity, course } => {
+            let speed = velocity.iter().map(|u| u * u).sum::<f64>().sqrt();
+            Some(speed * course.largest()).filter(|speed| *speed > 0.0)
+        }
+        _ => None,
+    };
+    scene.domain.faces.iter().flatten().filter_map(of).reduce(f64::max)
 }
 
 /// The regions that hold fluid at the start.

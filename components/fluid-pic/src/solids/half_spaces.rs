@@ -3,6 +3,10 @@
 use crate::solids::section::Section;
 use tremie_geometry::{Convex, Frame, Vec3};
 
+/// What lies so near to a face and along it covers it, as part of the edge: rounding must not open a
+/// face that the solid is flush with.
+const FLUSH: f64 = 1e-9;
+
 /// Most half spaces of a solid.
 const MOST: usize = Convex::MOST_FACES;
 /// Most corners of a square cut by so many.
@@ -135,8 +139,20 @@ impl<const D: usize> HalfSpaces<D> {
 
     /// Part of a segment that it covers, as fractions of the segment.
     pub fn span(&self, from: [f64; D], to: [f64; D]) -> Option<[f64; 2]> {
+        self.span_of(from, to, |_| 0.0)
+    }
+
+    /// The same, with planes moved outwards by a distance that depends on their normal.
+    #[inline]
+    fn span_of(
+        &self,
+        from: [f64; D],
+        to: [f64; D],
+        slack: impl Fn(&[f64; D]) -> f64,
+    ) -> Option<[f64; 2]> {
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
         for (normal, offset) in self.planes() {
+            let offset = offset + slack(normal);
             let over = |p: [f64; D]| (0..D).map(|a| normal[a] * p[a]).sum::<f64>() - offset;
             let (start, end) = (over(from), over(to));
             match (start <= 0.0, end <= 0.0) {
@@ -154,6 +170,7 @@ impl<const D: usize> HalfSpaces<D> {
         let [b, c] = others(axis);
         let mut polygon = Polygon::square([lower[b], lower[c]], h);
         for (normal, offset) in self.planes() {
+            let offset = offset + flush(normal, axis, h);
             polygon.clip([normal[b], normal[c]], offset - normal[axis] * lower[axis]);
             if polygon.count == 0 {
                 return (0.0, [0.0; 2]);
@@ -169,7 +186,8 @@ impl<const D: usize> HalfSpaces<D> {
             let along = 1 - axis;
             let mut to = lower;
             to[along] += h;
-            let Some([first, last]) = self.span(lower, to) else {
+            let slack = |normal: &[f64; D]| flush(normal, axis, h);
+            let Some([first, last]) = self.span_of(lower, to, slack) else {
                 return Covered { share: 0.0, centre };
             };
             centre[along] += 0.5 * (first + last) * h;
@@ -250,6 +268,12 @@ impl<const D: usize> HalfSpaces<D> {
     }
 }
 
+/// Distance by which a plane that lies along a face across an axis is moved outwards.
+#[inline]
+fn flush<const D: usize>(normal: &[f64; D], axis: usize, h: f64) -> f64 {
+    if normal[axis].abs() > 1.0 - 1e-9 { FLUSH * h } else { 0.0 }
+}
+
 /// The two other axes, in their order.
 fn others(axis: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][axis]
@@ -306,5 +330,25 @@ mod tests {
         assert!((solid.cell([0.2, 0.0], 0.1) - 0.5 * 0.75).abs() < 1e-12);
         assert!((solid.face(0, [0.2, 0.0], 0.1).share - 0.75).abs() < 1e-12);
         assert!((solid.height([0.26, 0.0]).0 - 0.01).abs() < 1e-12);
+    }
+
+    /// A face in the plane of a solid's side is covered, whatever rounding says.
+    #[test]
+    fn a_face_that_is_flush_is_covered() {
+        let flat = Section::<2> { axes: [0, 2], through: [0.0; 3] };
+        for cells in 1..60 {
+            let h = 0.0125;
+            let (low, high) = (0.4, f64::from(cells).mul_add(h, 0.4));
+            let (convex, frame) = cuboid(
+                [high - low, 0.2, 0.1],
+                [0.0, 0.0, 0.0, 1.0],
+                [0.5 * (low + high), 0.0, 0.05],
+            );
+            let end = f64::from(32 + cells) * h;
+            let solid = HalfSpaces::<2>::of(&convex, 1.0, &frame, &flat);
+            assert_eq!(solid.face(0, [end, 0.025], h).share, 1.0, "{cells}");
+            let solid = HalfSpaces::<3>::of(&convex, 1.0, &frame, &Section::SPACE);
+            assert!((solid.face(0, [end, 0.0, 0.025], h).share - 1.0).abs() < 1e-9, "{cells}");
+        }
     }
 }

@@ -135,6 +135,7 @@ impl<const D: usize> OpenFractions<D> {
         }
         own.near.sort_unstable();
         own.near.dedup();
+        own.fill_ghosts(grid);
         own.rest = AtRest {
             open: own.open.clone(),
             volume: own.volume.clone(),
@@ -171,6 +172,15 @@ impl<const D: usize> OpenFractions<D> {
             self.place_body(grid, body, (self.at_rest.len() + number) as u32, full);
         }
         self.near.sort_unstable();
+        self.fill_ghosts(grid);
+    }
+
+    fn fill_ghosts(&mut self, grid: &StaggeredGrid<D>) {
+        grid.ghosts.fill(&mut self.volume);
+        for a in 0..D {
+            grid.ghosts.fill(&mut self.open[a]);
+            grid.ghosts.fill(&mut self.holder[a]);
+        }
     }
 
     /// True if a solid comes as near to a cell as particles may.
@@ -197,6 +207,23 @@ impl<const D: usize> OpenFractions<D> {
         moving.map_or_else(|| &self.at_rest[number], |number| &bodies[number])
     }
 
+    /// A solid by its number, and a point as that solid sees it: where axes wrap around, the image
+    /// that is nearest to it.
+    #[inline]
+    pub fn seen_by<'a>(
+        &'a self,
+        grid: &StaggeredGrid<D>,
+        bodies: &'a [RigidBody<D>],
+        number: usize,
+        point: [f64; D],
+    ) -> (&'a RigidBody<D>, [f64; D]) {
+        let body = self.solid(bodies, number);
+        if !grid.is_periodic() {
+            return (body, point);
+        }
+        (body, grid.nearest_image(point, body.bounds()))
+    }
+
     /// True if a stored cell is in the box, and not wholly in a solid at rest.
     #[inline]
     pub fn is_cell(&self, place: usize) -> bool {
@@ -211,13 +238,26 @@ impl<const D: usize> OpenFractions<D> {
 
     fn place_body(&mut self, grid: &StaggeredGrid<D>, body: &RigidBody<D>, number: u32, full: f64) {
         let bounds = body.bounds();
+        // Cells beyond an axis that wraps around stand for others, unless the body is that long.
+        let wraps = |a: usize| {
+            let length = grid.cells[a] as f64 * grid.spacing;
+            grid.periodic[a] && bounds[1][a] - bounds[0][a] < length * (1.0 - 2.0 * MARGIN)
+        };
         let reach = |a: usize, end: usize| {
             let margin = [-1.0, 1.0][end] * MARGIN * grid.spacing;
-            let along = (bounds[end][a] + margin - grid.origin[a]) / grid.spacing;
-            (along.floor().clamp(-1.0, grid.cells[a] as f64)) as isize
+            let along = ((bounds[end][a] + margin - grid.origin[a]) / grid.spacing).floor();
+            let most = grid.cells[a] as f64;
+            match (wraps(a), grid.periodic[a]) {
+                (true, _) => along as isize,
+                (false, true) => along.clamp(0.0, most - 1.0) as isize,
+                (false, false) => along.clamp(-1.0, most) as isize,
+            }
         };
         let first: [isize; D] = std::array::from_fn(|a| reach(a, 0));
-        let last: [isize; D] = std::array::from_fn(|a| reach(a, 1));
+        let last: [isize; D] = std::array::from_fn(|a| {
+            let end = reach(a, 1);
+            if wraps(a) { end.min(first[a] + grid.cells[a] as isize - 1) } else { end }
+        });
         let counts: [usize; D] = std::array::from_fn(|a| (last[a] - first[a] + 1) as usize);
         for mut k in 0..counts.iter().product::<usize>() {
             let at: [isize; D] = std::array::from_fn(|a| {
@@ -242,7 +282,7 @@ impl<const D: usize> OpenFractions<D> {
         (at, is_inside): ([isize; D], bool),
     ) -> (Wrench, [f64; D]) {
         let h = grid.spacing;
-        let (place, centre) = (grid.place(at), grid.centre(at));
+        let (place, centre) = (grid.place(grid.wrapped(at)), grid.centre(at));
         let lower_corner = centre.map(|x| x - 0.5 * h);
         let mut wrench: Wrench = [0.0; 6];
         let mut faces = [0.0; D];
@@ -296,12 +336,13 @@ impl<const D: usize> OpenFractions<D> {
         {
             return;
         }
-        let place = grid.place(at);
+        let place = grid.place(grid.wrapped(at));
         self.touched.push(place as u32);
         self.is_near[place] = true;
         self.near.push((place as u32, number));
         let lower_corner = centre.map(|x| x - 0.5 * h);
-        let is_inside = (0..D).all(|a| at[a] >= 0 && at[a] < grid.cells[a] as isize);
+        let is_inside =
+            (0..D).all(|a| grid.periodic[a] || (at[a] >= 0 && at[a] < grid.cells[a] as isize));
         let (wrench, faces) = self.close_faces(grid, body, number, (at, is_inside));
         if !is_inside {
             return;

@@ -142,6 +142,16 @@ impl<const D: usize> RigidBody<D> {
     /// What a wrench of `q` changes its velocities by, `full` being the mass of a cell full of
     /// fluid.
     pub fn mobility(&self, full: f64) -> [[f64; 6]; 6] {
+        let mut mobility = self.mobility_by_shear(full);
+        // A ball feels no torque of a pressure.
+        if self.is_round() {
+            mobility[3..].fill([0.0; 6]);
+        }
+        mobility
+    }
+
+    /// The same of a wrench of shear, which turns balls too.
+    pub fn mobility_by_shear(&self, full: f64) -> [[f64; 6]; 6] {
         let mut mobility = [[0.0; 6]; 6];
         match &self.freedom {
             Freedom::Prescribed => {}
@@ -149,12 +159,9 @@ impl<const D: usize> RigidBody<D> {
                 for a in 0..D {
                     mobility[a][a] = full / mass;
                 }
-                // A ball feels no torque of a pressure.
-                if !self.is_round() {
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            mobility[3 + i][3 + j] = full * inverse_inertia[i][j];
-                        }
+                for i in 0..3 {
+                    for j in 0..3 {
+                        mobility[3 + i][3 + j] = full * inverse_inertia[i][j];
                     }
                 }
             }

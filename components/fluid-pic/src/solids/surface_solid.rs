@@ -8,6 +8,9 @@ use tremie_geometry::{Bounds, Frame, Surface, Vec3};
 
 /// Most crossings of a line with a surface within a cell.
 const CROSSINGS: usize = 8;
+/// Distance on either side at which a face is looked at, as part of its edge: rounding must not open
+/// one that the solid is flush with.
+const FLUSH: f64 = 1e-9;
 /// Step past a crossing, as part of the segment.
 const PAST: f64 = 1e-9;
 
@@ -83,6 +86,17 @@ impl<const D: usize> SurfaceSolid<D> {
 
     /// Covered part of the lower face across an axis of a cell with this lower corner.
     pub fn face(&self, axis: usize, lower: [f64; D], h: f64) -> Covered<D> {
+        let beside = |step: f64| {
+            let mut moved = lower;
+            moved[axis] += step * h;
+            self.across(axis, moved, h)
+        };
+        let (below, above) = (beside(-FLUSH), beside(FLUSH));
+        if above.share > below.share { above } else { below }
+    }
+
+    /// Covered part of a square across an axis with this lower corner.
+    fn across(&self, axis: usize, lower: [f64; D], h: f64) -> Covered<D> {
         let mut across = (0..D).filter(|&a| a != axis);
         let along = across.next().unwrap_or(0);
         let strips = across.next().map(|a| (a, self.strips));
@@ -110,7 +124,7 @@ impl<const D: usize> SurfaceSolid<D> {
         let slice = |k: usize| {
             let mut at = lower;
             at[0] += (k as f64 + 0.5) / self.strips as f64 * h;
-            self.face(0, at, h).share
+            self.across(0, at, h).share
         };
         (0..self.strips).map(slice).sum::<f64>() / self.strips as f64
     }

@@ -78,6 +78,8 @@ pub fn extrapolate<const D: usize>(
             velocity[at as usize] = value;
             state[at as usize] = FaceState::Fluid;
         }
+        grid.ghosts.fill(velocity);
+        grid.ghosts.fill(state);
     }
 }
 

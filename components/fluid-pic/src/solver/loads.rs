@@ -68,7 +68,7 @@ impl<const D: usize> PicSolver<D> {
             if q == 0.0 {
                 continue;
             }
-            for a in 0..D {
+            for a in (0..D).filter(|&a| !self.grid.periodic[a]) {
                 if cell[a] == 0 {
                     forces[a][0][a] -= unit * q - weight[a];
                 }
@@ -114,6 +114,12 @@ impl<const D: usize> PicSolver<D> {
         let inside: f64 = self.grid.all().map(|cell| self.cell_mass[self.grid.place(cell)]).sum();
         let beyond = self.particles.mass * self.particles.len() as f64 - inside;
         (own + beyond / full) * self.grid.cell_volume()
+    }
+
+    /// Volumes of the fluid that entered through open faces, and that left, since the start [m³].
+    pub fn passed_volumes(&self) -> [f64; 2] {
+        let volume = self.particles.mass / self.settings.density;
+        self.open_faces.passed().map(|count| count as f64 * volume)
     }
 
     /// Largest speed of particles [m/s].

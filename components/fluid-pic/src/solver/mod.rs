@@ -1,10 +1,14 @@
 //! The solver: a step, its settings, loads.
 
+pub mod dragged_body;
 pub mod extrapolation;
 pub mod free_surface;
 pub mod loads;
+pub mod open_faces;
 pub mod pic_settings;
 pub mod pic_solver;
 pub mod separation;
+pub mod shear_equations;
 pub mod viscosity;
 pub mod volume_correction;
+pub mod wall_links;

@@ -27,10 +27,12 @@ use crate::pressure::stencil::Stencil;
 use crate::solids::open_fractions::{MARGIN, NONE, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{ExtrapolationRoom, FaceState, extrapolate};
+use crate::solver::open_faces::{OpenFace, OpenFaces};
 use crate::solver::pic_settings::{BoxWall, PicSettings};
 use crate::solver::separation::Separation;
-use crate::solver::viscosity::{Viscosity, ViscousStep};
+use crate::solver::viscosity::Viscosity;
 use crate::solver::volume_correction::VolumeCorrection;
+use crate::solver::wall_links::ViscousStep;
 use crate::surface::fill_level::{depth, room};
 use tremie_team::{Cut, Team, Variant};
 
@@ -83,15 +85,20 @@ pub struct PicSolver<const D: usize> {
     iteration: ConjugateGradients,
     correction: VolumeCorrection<D>,
     separation: Separation,
+    pub(super) open_faces: OpenFaces<D>,
     has_surface: bool,
+    /// The step whose pressure `q` is; 0 before the first [s].
+    last_step: f64,
+    /// Changes of the free bodies' motions that are expected.
+    expected_gains: Vec<Wrench>,
     relaxation: f64,
     /// Lift of each free body, then of each held one, beyond that of the faces that it covers [N].
     pub(super) lift: Vec<[f64; D]>,
 }
 
 impl<const D: usize> PicSolver<D> {
-    /// Without any particles. `is_open` says which faces (axis, side) of the box fluid may leave
-    /// through; `at_rest` are the solids that never move.
+    /// Without any particles. Faces of the box are walls where no open face is, and the axis does
+    /// not wrap around; `at_rest` are the solids that never move.
     ///
     /// # Errors
     /// If the system gives no more threads.
@@ -99,18 +106,22 @@ impl<const D: usize> PicSolver<D> {
         grid: StaggeredGrid<D>,
         settings: PicSettings<D>,
         threads: usize,
-        is_open: impl Fn(usize, usize) -> bool,
+        open_faces: Vec<OpenFace<D>>,
         at_rest: Vec<RigidBody<D>>,
     ) -> std::io::Result<Self> {
         let zeros = || vec![0.0; grid.stored];
         let per_cell = settings.particles_per_axis.pow(D as u32) as f64;
         let mass = settings.density * grid.cell_volume() / per_cell;
+        let is_open =
+            |axis, side| open_faces.iter().any(|face| (face.axis, face.side) == (axis, side));
+        let fractions = OpenFractions::new(&grid, is_open, at_rest);
         Ok(Self {
             team: Team::new("fluid-pic", threads)?,
             variant: Variant::widest(),
             particles: ParticleArrays::new(mass),
             order: CellOrder::default(),
-            fractions: OpenFractions::new(&grid, is_open, at_rest),
+            open_faces: OpenFaces::new(&grid, &fractions, &settings, open_faces),
+            fractions,
             before: std::array::from_fn(|_| zeros()),
             velocity: std::array::from_fn(|_| zeros()),
             face_mass: std::array::from_fn(|_| zeros()),
@@ -123,15 +134,17 @@ impl<const D: usize> PicSolver<D> {
             room: zeros(),
             work: zeros(),
             depth: zeros(),
-            viscosity: Viscosity::new(&grid),
-            stencil: Stencil::empty(grid.stored, grid.stride),
+            viscosity: Viscosity::default(),
+            stencil: Stencil::of_grid(&grid),
             right: zeros(),
             q: zeros(),
-            multigrid: Multigrid::new(grid.cells),
+            multigrid: Multigrid::new(grid.cells, grid.periodic),
             iteration: ConjugateGradients::new(grid.stored),
             correction: VolumeCorrection::new(&grid),
             separation: Separation::default(),
             has_surface: false,
+            last_step: 0.0,
+            expected_gains: Vec::new(),
             relaxation: 0.0,
             lift: Vec::new(),
             settings,
@@ -151,7 +164,10 @@ impl<const D: usize> PicSolver<D> {
         let Self { grid, particles, fractions, .. } = self;
         particles.retain(|at| {
             let cell = cell_of(grid, at);
-            let holds = |number| fractions.solid(bodies, number).holds(at);
+            let holds = |number| {
+                let (body, at) = fractions.seen_by(grid, bodies, number, at);
+                body.holds(at)
+            };
             !fractions.near(cell).any(holds)
         });
     }
@@ -196,8 +212,9 @@ impl<const D: usize> PicSolver<D> {
             outcome =
                 PressureOutcome { iterations: outcome.iterations + again.iterations, ..again };
         }
+        self.last_step = dt;
         self.correct_volume();
-        self.project(bodies);
+        self.project(dt, bodies);
         self.take_loads(dt, bodies, loads);
         outcome
     }
@@ -207,6 +224,9 @@ impl<const D: usize> PicSolver<D> {
     pub fn move_particles(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let margin = MARGIN * self.grid.spacing;
         self.find_adrift();
+        let [lower, upper] =
+            [self.grid.origin.map(|x| x + margin), self.grid.end().map(|x| x - margin)];
+        let [lower, upper] = self.open_faces.reach(self.grid.spacing, [lower, upper]);
         let motion = ParticleMotion {
             grid: &self.grid,
             before: &self.before,
@@ -215,12 +235,34 @@ impl<const D: usize> PicSolver<D> {
             is_adrift: &self.is_adrift,
             dt,
             fall: std::array::from_fn(|a| dt * self.settings.gravity[a]),
-            lower: self.grid.origin.map(|x| x + margin),
-            upper: self.grid.end().map(|x| x - margin),
+            lower,
+            upper,
         };
         motion.take_velocities(&mut self.team, self.settings.transfer, &mut self.particles);
         motion.advect(&mut self.team, &mut self.particles);
         self.push_out(bodies, margin);
+        self.pass_open_faces(dt, bodies);
+    }
+
+    /// Particles leave and enter through open faces.
+    fn pass_open_faces(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
+        let Self { grid, open_faces, fractions, velocity, particles, .. } = self;
+        open_faces.exchange(dt, grid, velocity, particles, |at| {
+            !fractions.near(cell_of(grid, at)).any(|number| {
+                let (body, at) = fractions.seen_by(grid, bodies, number, at);
+                body.holds(at)
+            })
+        });
+    }
+
+    /// Sets the walls of the box.
+    pub fn set_walls(&mut self, walls: [[BoxWall<D>; 2]; D]) {
+        self.settings.walls = walls;
+    }
+
+    /// Sets the factors over time of velocities and pressures at open faces, in their order.
+    pub fn set_open_factors(&mut self, factors: impl IntoIterator<Item = f64>) {
+        self.open_faces.set_factors(factors);
     }
 
     /// Finds the particles that no wet cell is near: they fly by themselves.
@@ -304,6 +346,7 @@ impl<const D: usize> PicSolver<D> {
         for &at in &self.voids {
             self.depth[at as usize] = 1.0;
         }
+        self.grid.ghosts.fill(&mut self.depth);
     }
 
     /// Where surfaces hold the fluid back: faces in bodies have the bodies' velocity, and faces
@@ -311,35 +354,76 @@ impl<const D: usize> PicSolver<D> {
     fn hold_faces(&mut self, bodies: &[RigidBody<D>]) {
         for a in 0..D {
             hold(&self.grid, &self.fractions, &self.settings, bodies, a, &mut self.before[a]);
+            self.grid.ghosts.fill(&mut self.before[a]);
         }
     }
 
-    /// Forces that need no pressure. Shear comes first: it acts on the velocities that the fluid
-    /// has, not on what it would get if nothing held it up.
+    /// Forces that need no pressure. Shear acts on the velocities that the fluid has, and on what of
+    /// gravity the pressure is expected not to hold up: what it did in the step before.
     fn accelerate(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let PicSettings { gravity, drive, viscosity, walls, bodies_stick, density, .. } =
             self.settings;
         for (after, before) in self.velocity.iter_mut().zip(&self.before) {
             after.copy_from_slice(before);
         }
-        self.viscosity.clear_loads(self.fractions.at_rest.len() + bodies.len());
-        let step = ViscousStep {
-            grid: &self.grid,
-            fractions: &self.fractions,
-            bodies,
-            walls: &walls,
-            bodies_stick,
-            density,
-            number: dt * viscosity / (self.grid.spacing * self.grid.spacing),
-            dt,
-        };
-        for a in 0..D {
-            let (carried, velocity) = (&self.is_carried[a], &mut self.velocity[a]);
-            if viscosity > 0.0 {
-                self.viscosity.shear(&mut self.team, self.variant, &step, a, carried, velocity);
-            }
-            let gain = dt * (gravity[a] + drive[a]);
+        let at_rest = self.fractions.at_rest.len();
+        self.viscosity.clear(at_rest, bodies, density * self.grid.cell_volume());
+        let gain: [f64; D] = std::array::from_fn(|a| dt * (gravity[a] + drive[a]));
+        if viscosity > 0.0 {
+            self.expect(dt, gain, bodies, 1.0);
+            let Self { grid, fractions, expected_gains, .. } = self;
+            let step = ViscousStep {
+                grid,
+                fractions,
+                bodies,
+                walls: &walls,
+                bodies_stick,
+                density,
+                number: dt * viscosity / (grid.spacing * grid.spacing),
+                dt,
+                gains: expected_gains,
+            };
+            let Self { viscosity, team, variant, is_carried, velocity, .. } = self;
+            viscosity.shear(team, *variant, &step, is_carried, velocity);
+            self.expect(dt, gain, bodies, -1.0);
+        }
+        for (velocity, gain) in self.velocity.iter_mut().zip(gain) {
             velocity.iter_mut().for_each(|velocity| *velocity += gain);
+        }
+        self.open_faces.prescribe(&mut self.velocity);
+    }
+
+    /// Adds to the velocities, times a factor, what gravity and pressure together are expected to
+    /// change them by: gravity, and the pressure of the step before in the cells that had one. With
+    /// it the shear sees the velocities at the end of the step; without it they would slip along
+    /// walls by what the pressure then changes, and a disc in a shear flow would turn too slowly, in
+    /// proportion to the step (Van Kan, *SIAM J. Sci. Stat. Comput.* 7 (1986) 870).
+    fn expect(&mut self, dt: f64, gain: [f64; D], bodies: &[RigidBody<D>], factor: f64) {
+        self.expected_gains.clear();
+        if self.last_step == 0.0 {
+            return;
+        }
+        let Self { grid, fractions, settings, q, depth, velocity, .. } = self;
+        let ratio = dt / self.last_step;
+        let gradient = PressureGradient { stride: grid.stride, fractions, settings, q, depth };
+        for (a, velocity) in velocity.iter_mut().enumerate() {
+            for (at, velocity) in velocity.iter_mut().enumerate().skip(grid.stride[a]) {
+                if let Some(slope) = gradient.known(a, at) {
+                    *velocity += factor * (gain[a] - ratio * slope);
+                }
+            }
+            grid.ghosts.fill(velocity);
+        }
+        let full = self.settings.density * grid.cell_volume();
+        let coupling = &self.fractions.free.coupling;
+        let free = bodies.iter().filter(|body| body.is_free());
+        for (number, body) in free.enumerate() {
+            let mut wrench = coupling.wrench(number, &self.q).map(|w| ratio * w);
+            for a in 0..D {
+                let weight = body.mass().unwrap_or(0.0) * self.settings.gravity[a];
+                wrench[a] += dt / full * (body.force[a] + weight);
+            }
+            self.expected_gains.push(coupling.moved(number, &wrench));
         }
     }
 
@@ -362,6 +446,7 @@ impl<const D: usize> PicSolver<D> {
             outflow + fractions.pushed[at] + fractions.pushed_by_free[at] <= 0.0
         };
         separation.keep(depth, gathers);
+        grid.ghosts.fill(depth);
     }
 
     /// The pressure's equations.
@@ -398,6 +483,11 @@ impl<const D: usize> PicSolver<D> {
             }
             self.right[at] = -outflow;
         }
+        let Self { open_faces, fractions, velocity, stencil, right, depth, grid, .. } = self;
+        let step = (dt, grid.spacing);
+        let is_wet = |at: usize| depth[at] > 0.0;
+        self.has_surface |=
+            open_faces.add_to_equations(step, &fractions.open, velocity, is_wet, stencil, right);
         self.add_bodies(dt, bodies);
         self.stencil.find_rows(self.grid.row_length());
         for at in 0..self.grid.stored {
@@ -430,6 +520,7 @@ impl<const D: usize> PicSolver<D> {
             |wet: usize, air: usize| settings.surface.distance(depth[wet], depth[air].min(0.0));
         let open = &fractions.open;
         self.correction.find(team, self.variant, grid, stencil, open, excess, to_surface);
+        self.open_faces.hold_still(&mut self.correction.displacement);
     }
 
     /// Distance of the surface from a wet cell towards a cell of air.
@@ -489,7 +580,7 @@ impl<const D: usize> PicSolver<D> {
         }
         let coupling = &self.fractions.free.coupling;
         self.multigrid.prepare(&self.stencil, coupling);
-        self.iteration.solve(
+        let outcome = self.iteration.solve(
             &mut self.team,
             self.variant,
             &self.stencil,
@@ -499,35 +590,41 @@ impl<const D: usize> PicSolver<D> {
             &mut self.q,
             self.settings.tolerance,
             self.has_surface,
-        )
+        );
+        self.grid.ghosts.fill(&mut self.q);
+        outcome
     }
 
     /// Without a surface, what flows in must flow out: the rest is taken from all cells alike.
     fn make_compatible(&mut self) {
-        let cells = || (0..self.grid.stored).filter(|&at| self.stencil.diagonal[at] > 0.0);
-        let (sum, count) = cells().fold((0.0, 0), |(s, n), at| (s + self.right[at], n + 1));
+        let Self { stencil, right, .. } = self;
+        let spans = || stencil.rows.all_spans().flatten();
+        let cells = || spans().filter(|&at| stencil.diagonal[at] > 0.0);
+        let (sum, count) = cells().fold((0.0, 0), |(s, n), at| (s + right[at], n + 1));
         let mean = sum / f64::from(count.max(1));
-        for at in 0..self.grid.stored {
-            if self.stencil.diagonal[at] > 0.0 {
-                self.right[at] -= mean;
-            }
-        }
+        cells().for_each(|at| right[at] -= mean);
     }
 
     /// Takes the pressure's gradient from the velocities, and extrapolates them.
-    fn project(&mut self, bodies: &[RigidBody<D>]) {
+    fn project(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let Self { grid, team, velocity, state, found, is_carried, .. } = self;
-        let Self { fractions, settings, q, depth, .. } = self;
+        let Self { fractions, settings, q, depth, open_faces, .. } = self;
+        let is_wet = |at: usize| depth[at] > 0.0;
+        let step = (dt, grid.spacing);
+        let passing = &*open_faces;
         let gradient = PressureGradient { stride: grid.stride, fractions, settings, q, depth };
         team.for_pieces(
             (Cut::every(velocity, 1), Cut::every(state, 1), Cut::every(found, 1)),
             |a, (velocity, state, found): Projected| {
                 let (velocity, state) = (&mut velocity[0], &mut state[0]);
                 gradient.take(a, &is_carried[a], velocity, state);
+                passing.set_velocities(a, step, (q, is_wet), velocity, state);
                 extrapolate(grid, LAYERS, state, velocity, &mut found[0]);
                 hold(grid, fractions, settings, bodies, a, velocity);
+                grid.ghosts.fill(velocity);
             },
         );
+        open_faces.follow(dt, grid, velocity, is_wet);
     }
 
     /// Moves particles out of solids, along their normals. Most particles are in cells that no
@@ -541,17 +638,19 @@ impl<const D: usize> PicSolver<D> {
                 continue;
             }
             for number in self.fractions.near(cell) {
-                let body = self.fractions.solid(bodies, number);
-                let Some((height, normal)) = body.height(at, reach) else { continue };
+                let (body, seen) = self.fractions.seen_by(&self.grid, bodies, number, at);
+                let Some((height, normal)) = body.height(seen, reach) else { continue };
                 if height < margin {
-                    at = std::array::from_fn(|a| at[a] + (margin - height) * normal[a]);
+                    let step = normal.map(|n| (margin - height) * n);
+                    at = std::array::from_fn(|a| at[a] + step[a]);
                     if self.is_adrift[particle] {
-                        self.particles.stop_into(particle, normal, body.velocity_at(at));
+                        let met = std::array::from_fn(|a| seen[a] + step[a]);
+                        self.particles.stop_into(particle, normal, body.velocity_at(met));
                     }
                 }
             }
             for a in 0..D {
-                self.particles.position[a][particle] = at[a];
+                self.particles.position[a][particle] = self.grid.wrapped_along(a, at[a]);
             }
         }
     }
@@ -603,6 +702,24 @@ struct PressureGradient<'a, const D: usize> {
 }
 
 impl<const D: usize> PressureGradient<'_, D> {
+    /// Difference of `q` across a face, where the wet cells beside it have one, and there is one.
+    fn known(&self, axis: usize, at: usize) -> Option<f64> {
+        let Self { fractions, q, depth, .. } = *self;
+        let below = at - self.stride[axis];
+        let to_surface = |wet: usize, air: usize| {
+            self.settings.surface.distance(depth[wet], depth[air].min(0.0))
+        };
+        if fractions.open[axis][at] == 0.0 {
+            return None;
+        }
+        match (depth[below] > 0.0, depth[at] > 0.0) {
+            (true, true) if q[below] != 0.0 && q[at] != 0.0 => Some(q[at] - q[below]),
+            (true, false) if q[below] != 0.0 => Some(-q[below] / to_surface(below, at)),
+            (false, true) if q[at] != 0.0 => Some(q[at] / to_surface(at, below)),
+            _ => None,
+        }
+    }
+
     /// Takes it from the faces across an axis, and says what is known of each.
     fn take(
         &self,
@@ -625,8 +742,12 @@ impl<const D: usize> PressureGradient<'_, D> {
                 self.settings.surface.distance(depth[wet], depth[air].min(0.0))
             };
             let open = fractions.open[axis][at];
+            let is_solid = |cell: usize| fractions.volume[cell] == 0.0;
             state[at] = match (depth[below] > 0.0, depth[at] > 0.0) {
                 _ if open < CREVICE => FaceState::Unknown,
+                // There is no surface towards a cell without room.
+                (true, false) if is_solid(at) => FaceState::Unknown,
+                (false, true) if is_solid(below) => FaceState::Unknown,
                 (true, true) => {
                     velocity[at] -= q[at] - q[below];
                     FaceState::Fluid
@@ -665,8 +786,9 @@ fn hold<const D: usize>(
             let at = grid.place(cell);
             let holder = fractions.holder[axis][at];
             if holder != NONE {
-                let body = fractions.solid(bodies, holder as usize);
-                velocity[at] = body.velocity_at(grid.face_centre(axis, cell))[axis];
+                let centre = grid.face_centre(axis, cell);
+                let (body, centre) = fractions.seen_by(grid, bodies, holder as usize, centre);
+                velocity[at] = body.velocity_at(centre)[axis];
             }
         }
     }

@@ -56,12 +56,14 @@ impl Separation {
             for a in 0..D {
                 let stride = grid.stride[a];
                 for (face, beyond) in [(at, at - stride), (at + stride, at + stride)] {
+                    let beyond = grid.place_inside(beyond);
                     if fractions.open[a][face] > 0.0 && pulls(beyond, depth) {
                         self.front.push(beyond as u32);
                     }
                 }
             }
         }
+        grid.ghosts.fill(depth);
         self.cells.len() > before
     }
 

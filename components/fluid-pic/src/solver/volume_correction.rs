@@ -63,6 +63,7 @@ impl<const D: usize> VolumeCorrection<D> {
             }
         }
         self.solve(team, variant, stencil);
+        stencil.ghosts.fill(&mut self.potential);
         let (potential, farthest) = (&self.potential, FARTHEST * grid.spacing);
         let has = |at: usize| stencil.diagonal[at] > 0.0;
         for (a, displacement) in self.displacement.iter_mut().enumerate() {
@@ -78,6 +79,7 @@ impl<const D: usize> VolumeCorrection<D> {
                 };
                 displacement[at] = (fall * grid.spacing).clamp(-farthest, farthest);
             }
+            stencil.ghosts.fill(displacement);
         }
     }
 

@@ -34,6 +34,7 @@ pub fn room<const D: usize>(
             room[at] = 0.125 * (work[at - stride] + work[at + stride]) + 0.75 * work[at];
         }
     }
+    grid.ghosts.fill(room);
 }
 
 /// Distance of a cell's centre from the surface in edges of cells, positive inside the fluid, from

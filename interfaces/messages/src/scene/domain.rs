@@ -17,6 +17,10 @@ pub struct Domain {
     pub max: [f64; 3],
     /// Faces by axis: `[lower, upper]`. Either both faces of an axis are periodic, or none.
     pub faces: [[Face; 2]; 3],
+    /// Heights of the free surface beyond open faces, on the axis along which gravity acts [m]: by
+    /// axis, `[lower, upper]`. A fluid with a free surface asks for them.
+    #[serde(default, skip_serializing_if = "no_levels")]
+    pub levels: [[Option<f64>; 2]; 3],
     /// Material of the faces, for contacts of grains.
     pub material: String,
     /// The axis across a plane scene, along which nothing varies. Round bodies are then cylinders
@@ -31,7 +35,8 @@ impl Domain {
 
     /// A box with the given faces, of the usual material.
     pub fn new(min: [f64; 3], max: [f64; 3], faces: [[Face; 2]; 3]) -> Self {
-        Self { min, max, faces, material: Self::MATERIAL.into(), across: None }
+        let levels = [[None; 2]; 3];
+        Self { min, max, faces, levels, material: Self::MATERIAL.into(), across: None }
     }
 
     /// Edge lengths [m].
@@ -56,6 +61,10 @@ impl Domain {
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.faces[axis][0] == Face::Periodic
     }
+}
+
+fn no_levels(levels: &[[Option<f64>; 2]; 3]) -> bool {
+    levels.iter().flatten().all(Option::is_none)
 }
 
 /// A face of the domain.

@@ -22,13 +22,41 @@ pub(super) fn domain(table: &DomainTable, findings: &mut Findings) -> Option<Dom
     let (size, min) = (size?, table.origin?.map(|length| length.0));
     let [x, y, z] = faces;
     let faces = [x?, y?, z?];
+    let levels = levels(&entries, &faces, findings);
     right.then(|| Domain {
         min,
         max: std::array::from_fn(|a| min[a] + size[a].0),
         faces,
+        levels,
         across: table.across.map(|axis| axis.number()),
         material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
     })
+}
+
+/// Heights of the surface beyond open faces.
+fn levels(
+    entries: &[&Option<AxisEntry>; 3],
+    faces: &[[Face; 2]; 3],
+    findings: &mut Findings,
+) -> [[Option<f64>; 2]; 3] {
+    let mut levels = [[None; 2]; 3];
+    for (axis, entry) in entries.iter().enumerate() {
+        let Some(AxisEntry::Sides(sides)) = entry else { continue };
+        for (side, (entry, end)) in
+            [(&sides.lower, "lower"), (&sides.upper, "upper")].into_iter().enumerate()
+        {
+            let Some(FaceEntry::Table(table)) = entry else { continue };
+            let Some(level) = table.level else { continue };
+            if !matches!(faces[axis][side], Face::Velocity(_) | Face::Pressure { .. }) {
+                let at = format!("scene.domain.{}.{end}.level", AXES[axis]);
+                let message = "found a level at a face that is closed, or has a reservoir: only one with a velocity or a pressure has one";
+                findings.problem(&at, message);
+                continue;
+            }
+            levels[axis][side] = Some(level.0);
+        }
+    }
+    levels
 }
 
 fn faces(entry: &AxisEntry, axis: usize, at: &str, findings: &mut Findings) -> Option<[Face; 2]> {

@@ -88,12 +88,16 @@ pub(in super::super) struct FaceTable {
     /// The fluid comes and goes at this gauge pressure, without its hydrostatic part. To grains the
     /// face is a wall unless an outlet lies there.
     pub pressure: Option<Pressure>,
-    /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
-    /// holds on average (default: false).
+    /// Whether sound, or the long waves of a fluid with a free surface, pass through a pressure face
+    /// instead of being thrown back; the pressure then holds on average (default: false).
     pub absorbing: Option<bool>,
     /// Way in which what arrives from inside leaves through a pressure face (default: fixed);
     /// `absorbing = true` is short for `outflow = "absorbing"`.
     pub outflow: Option<Outflow>,
+    /// Height of the free surface beyond a face with a velocity or a pressure, on the axis along
+    /// which gravity acts: fluid enters below it, and the pressure is hydrostatic from there. For
+    /// fluids with a free surface.
+    pub level: Option<Length>,
     /// The fluid comes from a reservoir with a piston that is not simulated.
     pub reservoir: Option<ReservoirTable>,
     /// Time in which velocity or pressure rise from zero, that of a moving wall too (default:

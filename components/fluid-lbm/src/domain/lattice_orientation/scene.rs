@@ -37,6 +37,7 @@ impl LatticeOrientation {
             min: self.to_lattice(&domain.min),
             max: self.to_lattice(&domain.max),
             faces: self.to_lattice(&domain.faces).map(|sides| sides.map(|face| self.face(face))),
+            levels: self.to_lattice(&domain.levels),
             material: domain.material.clone(),
             across: domain.across,
         }

@@ -45,7 +45,7 @@ impl<const D: usize> Tank<D> {
             let x = grid.centre(grid.cell_at(at));
             x[D - 1] < 0.7 + 0.1 * (9.0 * x[0]).sin() && fractions.volume[at] > 0.0
         };
-        let mut stencil = Stencil::empty(grid.stored, grid.stride);
+        let mut stencil = Stencil::of_grid(&grid);
         let mut right = vec![0.0; grid.stored];
         for cell in grid.all() {
             let at = grid.place(cell);
@@ -83,7 +83,7 @@ impl<const D: usize> Tank<D> {
 
     fn solve(&self, threads: usize) -> (Vec<f64>, PressureOutcome) {
         let mut team = Team::new("test", threads).unwrap();
-        let mut multigrid = Multigrid::new(self.grid.cells);
+        let mut multigrid = Multigrid::new(self.grid.cells, self.grid.periodic);
         multigrid.prepare(&self.stencil, &self.coupling);
         let mut iteration = ConjugateGradients::new(self.grid.stored);
         let mut q = vec![0.0; self.grid.stored];

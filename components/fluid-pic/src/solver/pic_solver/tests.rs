@@ -1,6 +1,7 @@
 //! Tests of whole steps.
 
 use super::*;
+use crate::particles::particle_arrays::Transfer;
 use crate::particles::seeding::seed;
 use std::f64::consts::PI;
 
@@ -12,8 +13,17 @@ fn full<const D: usize>(
     threads: usize,
     is_wet: impl Fn([f64; D]) -> bool,
 ) -> PicSolver<D> {
-    let grid = StaggeredGrid::new(cells, edge, [0.0; D], [false; D]);
-    let mut solver = PicSolver::new(grid, settings, threads, |_, _| false, Vec::new()).unwrap();
+    boxed(StaggeredGrid::new(cells, edge, [0.0; D], [false; D]), settings, threads, is_wet)
+}
+
+/// A grid full of fluid where `is_wet`.
+fn boxed<const D: usize>(
+    grid: StaggeredGrid<D>,
+    settings: PicSettings<D>,
+    threads: usize,
+    is_wet: impl Fn([f64; D]) -> bool,
+) -> PicSolver<D> {
+    let mut solver = PicSolver::new(grid, settings, threads, Vec::new(), Vec::new()).unwrap();
     seed(&solver.grid, &mut solver.particles, 2, 0.0, 1, is_wet, |_| [0.0; D]);
     solver
 }
@@ -169,4 +179,93 @@ fn a_splash_keeps_its_volume() {
     };
     let (with, without) = (change(0.1), change(0.0));
     assert!(with < 0.02 && without > 2.0 * with, "{with} {without}");
+}
+
+/// Where an axis wraps around, nothing tells its ends from other places: a column with a disc in it
+/// collapses there as it does in the middle, with even and odd numbers of cells.
+#[test]
+fn the_ends_of_a_periodic_axis_are_no_places_of_their_own() {
+    for cells in [48, 51, 49] {
+        let edge = 1.0 / 48.0;
+        let length = f64::from(cells) * edge;
+        let collapsed = |shift: f64| {
+            let middle = 24.0 * edge + shift;
+            let off = |x: f64| {
+                let off = x - middle;
+                off - length * (off / length).round()
+            };
+            let disc = [middle + 2.3 * edge, 0.21];
+            let is_wet = |x: [f64; 2]| {
+                off(x[0]).abs() < 0.2
+                    && x[1] < 0.5
+                    && (off(x[0]) - 2.3 * edge).hypot(x[1] - disc[1]) > 0.1
+            };
+            let grid = StaggeredGrid::new([cells as usize, 40], edge, [0.0; 2], [true, false]);
+            let settings = PicSettings {
+                viscosity: 1e-3,
+                bodies_stick: true,
+                relaxation: 0.1,
+                ..PicSettings::water([0.3, -9.81])
+            };
+            let mut solver = boxed(grid, settings, 2, is_wet);
+            let disc = RigidBody::ball(disc, 0.1).with_mass(5.0);
+            let mut loads = Vec::new();
+            for _ in 0..30 {
+                let outcome = solver.step(4e-3, std::slice::from_ref(&disc), &mut loads);
+                assert!(outcome.converged && outcome.iterations < 20, "{cells}: {outcome:?}");
+            }
+            let sums = solver.sums();
+            (sums.kinetic, sums.momentum, sums.volume, loads[0])
+        };
+        let middle = collapsed(0.0);
+        for shift in [-24.0 * edge, 11.0 * edge, f64::from(cells / 2) * edge] {
+            let shifted = collapsed(shift);
+            assert!((shifted.0 / middle.0 - 1.0).abs() < 1e-4, "{cells}: {middle:?} {shifted:?}");
+            assert!((shifted.2 / middle.2 - 1.0).abs() < 1e-5, "{cells}: {middle:?} {shifted:?}");
+            for k in 0..2 {
+                assert!((shifted.1[k] - middle.1[k]).abs() < 0.02, "{middle:?} {shifted:?}");
+                assert!((shifted.3[k] - middle.3[k]).abs() < 0.1, "{middle:?} {shifted:?}");
+            }
+        }
+    }
+}
+
+/// A disc that is as heavy as the fluid turns with half of the shear around it, in steps much longer
+/// than it needs to follow the fluid; it stays at rest in the middle, and the walls feel opposite
+/// forces.
+#[test]
+fn a_disc_in_a_shear_flow_turns_with_half_of_the_shear() {
+    let edge = 1.0 / 40.0;
+    let grid = StaggeredGrid::new([80, 40], edge, [0.0; 2], [true, false]);
+    let stick = |speed: f64| BoxWall::Stick([speed, 0.0]);
+    let settings = PicSettings {
+        density: 1.0,
+        viscosity: 1.0,
+        walls: [[BoxWall::Slip; 2], [stick(-0.5), stick(0.5)]],
+        bodies_stick: true,
+        fills_all: true,
+        transfer: Transfer::Affine,
+        ..PicSettings::water([0.0; 2])
+    };
+    let radius = 0.1;
+    let mut disc = RigidBody::ball([1.0, 0.5], radius).with_mass(PI * radius * radius);
+    let mut solver = PicSolver::new(grid, settings, 1, Vec::new(), Vec::new()).unwrap();
+    let is_wet = |x: [f64; 2]| (x[0] - 1.0).hypot(x[1] - 0.5) > radius;
+    seed(&solver.grid, &mut solver.particles, 2, 0.0, 1, is_wet, |x| [x[1] - 0.5, 0.0]);
+    let mut loads = Vec::new();
+    // dt nu / h^2 = 16.
+    let dt = 1e-2;
+    let mass = PI * radius * radius;
+    for _ in 0..100 {
+        let outcome = solver.step(dt, std::slice::from_ref(&disc), &mut loads);
+        assert!(outcome.converged, "{outcome:?}");
+        for a in 0..2 {
+            disc.velocity[a] += dt * loads[0][a] / mass;
+        }
+        disc.spin[2] += dt * loads[0][5] / (0.5 * mass * radius * radius);
+    }
+    assert!((disc.spin[2] / -0.5 - 1.0).abs() < 0.05, "{:?}", disc.spin);
+    assert!(disc.velocity.iter().all(|u| u.abs() < 1e-3), "{:?}", disc.velocity);
+    let [lower, upper] = solver.wall_forces(dt)[1].map(|force| force[0]);
+    assert!((lower / upper + 1.0).abs() < 1e-3 && upper < 0.0, "{lower} {upper}");
 }
