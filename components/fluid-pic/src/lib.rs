@@ -49,7 +49,9 @@ mod surface;
 #[cfg(feature = "component")]
 pub use fluid::{benchmark::benchmarks, component};
 
-pub use domain::parameters::{ContactForces, Parameters, SurfaceName, TransferName, WallName};
+pub use domain::parameters::{
+    ContactForces, GapDampingTable, Parameters, SurfaceName, TransferName, WallName,
+};
 pub use fluid::error::FluidError;
 pub use fluid::pic_fluid::{FluidState, PicFluid};
 pub use grid::staggered_grid::StaggeredGrid;
@@ -64,6 +66,7 @@ pub use solids::rigid_body::{BodyShape, Freedom, RigidBody};
 pub use solids::section::Section;
 pub use solids::surface_solid::SurfaceSolid;
 pub use solver::free_surface::SurfaceOrder;
+pub use solver::gap_damping::GapDamping;
 pub use solver::loads::FluidSums;
 pub use solver::open_faces::{FaceFlow, OpenFace};
 pub use solver::pic_settings::{BoxWall, PicSettings};

@@ -71,6 +71,8 @@ pub struct FluidState {
     pub divergence: f64,
     /// Cells that the fastest particle crosses in a step.
     pub courant: f64,
+    /// Force by which the damping in gaps slowed the fluid in the last step [N].
+    pub gap_damping: [f64; 3],
     /// Force of pressure and shear on all bodies, and of shear alone [N].
     pub on_bodies: [[f64; 3]; 2],
 }
@@ -159,6 +161,7 @@ impl<const D: usize> PicFluid<D> {
             walls: faces.walls(0.0),
             bodies_stick: resolution.sticks,
             relaxation: parameters.relaxation,
+            gap_damping: parameters.gap_damping(),
         };
         let at_rest = solids_at_rest(scene, ground, section);
         let no_threads = |error: std::io::Error| {
@@ -351,6 +354,9 @@ impl<const D: usize> PicFluid<D> {
             outcome: self.outcome,
             divergence: self.solver.divergence(),
             courant: sums.max_speed * self.dt / self.solver.grid.spacing,
+            gap_damping: section
+                .vector_to_world(self.solver.gap_damping_taken())
+                .map(|p| p * depth / self.dt),
             on_bodies,
         }
     }

@@ -13,6 +13,7 @@ use tremie_sdk::messages::start::signal_row::{SignalRow, describe};
 const MOMENTUM: &str = "momentum of the fluid";
 const FARTHEST: &str = "farthest coordinate of a particle along the axis: the front, or the crest";
 const ON_BODIES: &str = "force of the fluid on all bodies together: pressure and shear";
+const GAP_DAMPING: &str = "force by which the damping in gaps slows the fluid; nothing gets it";
 const SHEAR: &str = "force of shear alone on all bodies together";
 
 impl FluidState {
@@ -22,7 +23,7 @@ impl FluidState {
 }
 
 /// Signals of the whole fluid.
-pub const OF_FLUID: [SignalRow<FluidState>; 26] = [
+pub const OF_FLUID: [SignalRow<FluidState>; 29] = [
     ("max_speed", "m/s", "largest speed of a particle", |s| s.sums.max_speed),
     ("courant", "1", "cells that it crosses in a step", |s| s.courant),
     ("volume", "m³", "volume of the fluid", |s| s.sums.volume),
@@ -57,6 +58,9 @@ pub const OF_FLUID: [SignalRow<FluidState>; 26] = [
     ("body_shear_x", "N", SHEAR, |s| s.on_bodies[1][0]),
     ("body_shear_y", "N", SHEAR, |s| s.on_bodies[1][1]),
     ("body_shear_z", "N", SHEAR, |s| s.on_bodies[1][2]),
+    ("gap_damping_x", "N", GAP_DAMPING, |s| s.gap_damping[0]),
+    ("gap_damping_y", "N", GAP_DAMPING, |s| s.gap_damping[1]),
+    ("gap_damping_z", "N", GAP_DAMPING, |s| s.gap_damping[2]),
     ("wet_cells", "1", "cells that are part of the fluid", |s| s.wet_cells as f64),
     ("particles", "1", "particles", |s| s.particles as f64),
     ("iterations", "1", "iterations of the pressure in the last step", |s| {

@@ -14,6 +14,12 @@ pub struct CellOrder {
 }
 
 impl CellOrder {
+    /// Particles of the cell at a place, when they were sorted.
+    #[inline]
+    pub fn in_cell(&self, place: usize) -> std::ops::Range<usize> {
+        self.first[place] as usize..self.first[place + 1] as usize
+    }
+
     /// Sorts particles by cell. Those of one cell keep their order.
     pub fn sort<const D: usize>(
         &mut self,

@@ -183,6 +183,11 @@ impl<const D: usize> OpenFractions<D> {
         }
     }
 
+    /// True if a face of the box is a wall: neither open, nor joined to the opposite one.
+    pub fn is_closed(&self, axis: usize, side: usize) -> bool {
+        self.is_closed[axis][side]
+    }
+
     /// True if a solid comes as near to a cell as particles may.
     #[inline]
     pub fn is_near_a_body(&self, place: usize) -> bool {

@@ -3,6 +3,7 @@
 pub mod dragged_body;
 pub mod extrapolation;
 pub mod free_surface;
+pub mod gap_damping;
 pub mod loads;
 pub mod open_faces;
 pub mod pic_settings;

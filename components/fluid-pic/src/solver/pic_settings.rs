@@ -3,6 +3,7 @@
 use crate::particles::particle_arrays::Transfer;
 use crate::pressure::conjugate_gradients::Tolerance;
 use crate::solver::free_surface::SurfaceOrder;
+use crate::solver::gap_damping::GapDamping;
 
 /// A face of the box, as the fluid's shear feels it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,8 @@ pub struct PicSettings<const D: usize> {
     /// Share of a cell's excess of mass that is moved away in a step in which the fastest fluid
     /// crosses half a cell.
     pub relaxation: f64,
+    /// Damping in narrow gaps, if there is any.
+    pub gap_damping: Option<GapDamping>,
 }
 
 impl<const D: usize> PicSettings<D> {
@@ -60,6 +63,7 @@ impl<const D: usize> PicSettings<D> {
             walls: [[BoxWall::Slip; 2]; D],
             bodies_stick: false,
             relaxation: 0.0,
+            gap_damping: None,
         }
     }
 

@@ -27,6 +27,7 @@ use crate::pressure::stencil::Stencil;
 use crate::solids::open_fractions::{MARGIN, NONE, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{ExtrapolationRoom, FaceState, extrapolate};
+use crate::solver::gap_damping::GapBands;
 use crate::solver::open_faces::{OpenFace, OpenFaces};
 use crate::solver::pic_settings::{BoxWall, PicSettings};
 use crate::solver::separation::Separation;
@@ -85,6 +86,7 @@ pub struct PicSolver<const D: usize> {
     iteration: ConjugateGradients,
     correction: VolumeCorrection<D>,
     separation: Separation,
+    gap_bands: GapBands<D>,
     pub(super) open_faces: OpenFaces<D>,
     has_surface: bool,
     /// The step whose pressure `q` is; 0 before the first [s].
@@ -142,6 +144,7 @@ impl<const D: usize> PicSolver<D> {
             iteration: ConjugateGradients::new(grid.stored),
             correction: VolumeCorrection::new(&grid),
             separation: Separation::default(),
+            gap_bands: GapBands::default(),
             has_surface: false,
             last_step: 0.0,
             expected_gains: Vec::new(),
@@ -239,6 +242,10 @@ impl<const D: usize> PicSolver<D> {
             upper,
         };
         motion.take_velocities(&mut self.team, self.settings.transfer, &mut self.particles);
+        if let Some(damping) = &self.settings.gap_damping {
+            let solids = (&self.fractions, bodies);
+            self.gap_bands.damp(damping, &self.grid, solids, &self.order, &mut self.particles);
+        }
         motion.advect(&mut self.team, &mut self.particles);
         self.push_out(bodies, margin);
         self.pass_open_faces(dt, bodies);
@@ -253,6 +260,11 @@ impl<const D: usize> PicSolver<D> {
                 body.holds(at)
             })
         });
+    }
+
+    /// Momentum that the damping in gaps took from the fluid in the last step [kg m/s].
+    pub fn gap_damping_taken(&self) -> [f64; D] {
+        std::array::from_fn(|a| self.gap_bands.taken[a])
     }
 
     /// Sets the walls of the box.
