@@ -71,3 +71,4 @@ pub use solver::loads::FluidSums;
 pub use solver::open_faces::{FaceFlow, OpenFace};
 pub use solver::pic_settings::{BoxWall, PicSettings};
 pub use solver::pic_solver::PicSolver;
+pub use solver::pressure_equations::PressureEquations;

@@ -8,6 +8,7 @@ pub mod loads;
 pub mod open_faces;
 pub mod pic_settings;
 pub mod pic_solver;
+pub mod pressure_equations;
 pub mod separation;
 pub mod shear_equations;
 pub mod viscosity;

@@ -586,7 +586,7 @@ impl<const D: usize> PicSolver<D> {
         }
     }
 
-    fn solve(&mut self) -> PressureOutcome {
+    pub(super) fn solve(&mut self) -> PressureOutcome {
         if !self.has_surface {
             self.make_compatible();
         }
