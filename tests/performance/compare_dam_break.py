@@ -127,7 +127,6 @@ def passed(fronts):
 MANIFEST = """
 [run]
 until = "{until} s"
-threads = {threads}
 [scene]
 gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
 [scene.domain]
@@ -138,7 +137,7 @@ density = "1000 kg/m3"
 viscosity = "1 mPa s"
 fill = [{{ max = ["{a} m", "{a} m", "{b} m"] }}]
 [components]
-fluid = "fluid-pic"
+fluid = {{ program = "fluid-pic", threads = {threads} }}
 [settings.fluid-pic]
 cell = "{h} m"
 [outputs]

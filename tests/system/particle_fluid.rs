@@ -278,11 +278,9 @@ record = false
     let last = |name: &str| *signals[name].last().unwrap();
     let exact = 0.3 * 0.1 * 0.05 * 1.2;
     assert!((last("fluid.volume_entered") / exact - 1.0).abs() < 0.02);
-    assert!(
-        (last("fluid.volume_left") / exact - 1.0).abs() < 0.15,
-        "{}",
-        last("fluid.volume_left")
-    );
+    // The sill lifts the level before it first, by some of what enters.
+    let left = last("fluid.volume_left") / exact;
+    assert!((0.5..1.02).contains(&left), "{left}");
     assert!(signals["fluid.volume_drift"].iter().all(|drift| *drift < 0.01));
     // No jets come out of the corners of the sill.
     assert!(signals["fluid.max_speed"].iter().all(|speed| *speed < 2.0));
