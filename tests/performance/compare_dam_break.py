@@ -10,6 +10,7 @@ for the mesh; each measurement of Tremie is followed by one of the peer.
 """
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -27,6 +28,8 @@ LENGTH, HEIGHT, UNTIL = 15, 2.5, 0.32
 # Where the front is timed, and the experiment's time there.
 FRONTS = [(4.134, 0.18053), (7.945, 0.30682)]
 ROUNDS = 2
+# Debian's package keeps its settings there.
+os.environ.setdefault("WM_PROJECT_DIR", "/usr/share/openfoam")
 
 HEADER = "FoamFile {{ version 2.0; format ascii; class {kind}; object {name}; }}\n"
 
