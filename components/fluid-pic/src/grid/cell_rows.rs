@@ -32,6 +32,21 @@ pub struct CellRows {
 impl CellRows {
     /// Takes stored cells in rows of a length. `takes_part` says which.
     pub fn rebuild(&mut self, stored: usize, row: usize, takes_part: impl Fn(usize) -> bool) {
+        self.rebuild_spans(stored, row, |start| {
+            let end = (start + row).min(stored);
+            let first = (start..end).find(|&at| takes_part(at))?;
+            let last = (first..end).rev().find(|&at| takes_part(at)).unwrap_or(first);
+            Some(first..last + 1)
+        });
+    }
+
+    /// Takes of each row, given its start, a range of stored cells.
+    pub fn rebuild_spans(
+        &mut self,
+        stored: usize,
+        row: usize,
+        mut span: impl FnMut(usize) -> Option<Range<usize>>,
+    ) {
         let piece = row * (CELLS_PER_PIECE / row).max(1);
         self.bounds.clear();
         self.spans.clear();
@@ -41,10 +56,9 @@ impl CellRows {
                 self.bounds.push(start as u32);
                 self.first_span.push(self.spans.len() as u32);
             }
-            let end = (start + row).min(stored);
-            let Some(first) = (start..end).find(|&at| takes_part(at)) else { continue };
-            let last = (first..end).rev().find(|&at| takes_part(at)).unwrap_or(first);
-            self.spans.push(first as u32..last as u32 + 1);
+            if let Some(span) = span(start) {
+                self.spans.push(span.start as u32..span.end as u32);
+            }
         }
         self.bounds.push(stored as u32);
         self.first_span.push(self.spans.len() as u32);

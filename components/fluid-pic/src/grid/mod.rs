@@ -1,5 +1,6 @@
 //! The staggered grid: cells, their rows, and how arrays of them lie in memory.
 
 pub mod cell_rows;
+pub mod near_rows;
 pub mod periodic_ghosts;
 pub mod staggered_grid;

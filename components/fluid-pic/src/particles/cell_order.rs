@@ -14,6 +14,11 @@ pub struct CellOrder {
 }
 
 impl CellOrder {
+    /// Places of the particles' cells, in the order before they were sorted.
+    pub fn places(&self) -> impl Iterator<Item = u32> + '_ {
+        self.cell.iter().copied()
+    }
+
     /// Particles of the cell at a place, when they were sorted.
     #[inline]
     pub fn in_cell(&self, place: usize) -> std::ops::Range<usize> {

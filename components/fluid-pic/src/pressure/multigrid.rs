@@ -4,12 +4,14 @@
 //! preconditioned by the diagonal; all cells at once, so that results do not depend on the order of
 //! work. The transpose of the interpolation ([`Interpolation`]) sums what is left.
 
+use crate::grid::near_rows::NearRows;
 use crate::pressure::body_coupling::{BodyCoupling, dot6};
 use crate::pressure::coarsen::{LevelShape, coarsen, held_by_air};
 use crate::pressure::interpolation::Interpolation;
 use crate::pressure::light_bodies::{LIGHT, LightBodies};
 use crate::pressure::stencil::Stencil;
 use nalgebra::{Cholesky, DMatrix, Dyn};
+use std::ops::Range;
 use tremie_team::{Team, Variant};
 
 /// Cells that take part up to which a level is solved directly.
@@ -86,12 +88,12 @@ impl<const D: usize> Multigrid<D> {
         }
     }
 
-    /// Takes over the coefficients of the finest level.
-    pub fn prepare(&mut self, finest: &Stencil<f64, D>, coupling: &BodyCoupling) {
+    /// Takes over the coefficients of the finest level, of whose cells only those near count.
+    pub fn prepare(&mut self, finest: &Stencil<f64, D>, near: &NearRows, coupling: &BodyCoupling) {
         let level = &mut self.levels[0];
         let to_single = |from: &[f64], to: &mut [f32]| {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = *from as f32;
+            for at in near.touched().flatten() {
+                to[at] = from[at] as f32;
             }
         };
         to_single(&finest.diagonal, &mut level.stencil.diagonal);
@@ -100,7 +102,7 @@ impl<const D: usize> Multigrid<D> {
         }
         level.stencil.rows = finest.rows.clone();
         level.coupling.clone_from(coupling);
-        level.derive();
+        level.derive(|| near.touched());
         self.used = 1;
         while self.used < self.levels.len() && self.levels[self.used - 1].active() > DIRECT {
             let (fine, coarse) = self.levels.split_at_mut(self.used);
@@ -110,7 +112,8 @@ impl<const D: usize> Multigrid<D> {
             let parent = |at| fine.shape.parent(&coarse.shape, at);
             let children = fine.shape.pair.iter().product();
             fine.coupling.coarsen(parent, children, RESOLVED[D - 1], &mut coarse.coupling);
-            coarse.derive();
+            let stored = coarse.shape.stored;
+            coarse.derive(|| std::iter::once(0..stored));
             self.used += 1;
         }
         self.factorise();
@@ -234,12 +237,12 @@ impl<const D: usize> Level<D> {
 
     /// Number of cells that take part.
     fn active(&self) -> usize {
-        self.inverse.iter().filter(|&&x| x > 0.0).count()
+        self.stencil.rows.all_spans().flatten().filter(|&at| self.inverse[at] > 0.0).count()
     }
 
-    /// Derives what follows from the coefficients.
-    fn derive(&mut self) {
-        for at in 0..self.shape.stored {
+    /// Derives what follows from the coefficients, in ranges outside of which nothing changes.
+    fn derive<I: Iterator<Item = Range<usize>>>(&mut self, spans: impl Fn() -> I) {
+        for at in spans().flatten() {
             let diagonal = self.stencil.diagonal[at];
             self.inverse[at] = if diagonal > 0.0 { 1.0 / diagonal } else { 0.0 };
             self.q[at] = 0.0;
@@ -250,13 +253,11 @@ impl<const D: usize> Level<D> {
             self.held[at] = held_by_air(&self.stencil, at);
         }
         self.stencil.ghosts.fill(&mut self.held);
-        self.full = self
-            .stencil
-            .coupling
-            .each_ref()
-            .map(|coupling| coupling.iter().copied().fold(f32::MIN_POSITIVE, f32::max));
+        self.full = self.stencil.coupling.each_ref().map(|coupling| {
+            spans().flatten().map(|at| coupling[at]).fold(f32::MIN_POSITIVE, f32::max)
+        });
         for a in 0..D {
-            self.derive_slopes(a);
+            self.derive_slopes(a, spans());
         }
         let full = f64::from(self.full());
         self.light.prepare(&self.stencil, &self.coupling, full);
@@ -285,14 +286,17 @@ impl<const D: usize> Level<D> {
     }
 
     /// Slopes of the interpolation across the faces of one axis.
-    fn derive_slopes(&mut self, axis: usize) {
-        let (stride, stored) = (self.shape.stride[axis], self.shape.stored);
+    fn derive_slopes(&mut self, axis: usize, spans: impl Iterator<Item = Range<usize>>) {
+        let stride = self.shape.stride[axis];
         let (length, last) = (self.shape.room[axis] + 2, self.shape.cells[axis] + 1);
         let (coupling, full) = (&self.stencil.coupling[axis], self.full[axis]);
         let is_active = |at: usize| self.inverse[at] > 0.0;
         let slope = &mut self.slope[axis];
-        slope[..stride].fill(0.0);
-        for at in stride..stored {
+        for at in spans.flatten() {
+            if at < stride {
+                slope[at] = 0.0;
+                continue;
+            }
             let along = at / stride % length;
             if self.is_seam[axis] && (along == 1 || along == last) {
                 slope[at] = 0.0;

@@ -1,6 +1,7 @@
 //! The equation of a cell with its neighbours along the axes, row by row.
 
 use crate::grid::cell_rows::CellRows;
+use crate::grid::near_rows::NearRows;
 use crate::grid::periodic_ghosts::PeriodicGhosts;
 use crate::grid::staggered_grid::StaggeredGrid;
 use nalgebra::{RealField, convert_unchecked};
@@ -107,6 +108,20 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
     pub fn find_rows(&mut self, length: usize) {
         let Self { diagonal, coupling, rows, ghosts, .. } = self;
         rows.rebuild(diagonal.len(), length, |at| diagonal[at] > T::zero());
+        ghosts.fill(diagonal);
+        coupling.iter_mut().for_each(|coupling| ghosts.fill(coupling));
+    }
+
+    /// The same, where all cells that have an equation are near; the others are not looked at.
+    pub fn find_rows_near(&mut self, near: &NearRows, length: usize) {
+        let Self { diagonal, coupling, rows, ghosts, .. } = self;
+        let mut spans = near.spans().peekable();
+        rows.rebuild_spans(diagonal.len(), length, |start| {
+            let mut span = spans.next_if(|span| span.start < start + length)?;
+            let has = |at: &usize| diagonal[*at] > T::zero();
+            let first = span.clone().find(has)?;
+            Some(first..span.rfind(has)? + 1)
+        });
         ghosts.fill(diagonal);
         coupling.iter_mut().for_each(|coupling| ghosts.fill(coupling));
     }

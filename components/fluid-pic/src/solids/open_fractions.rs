@@ -71,6 +71,8 @@ pub struct OpenFractions<const D: usize> {
     /// Covered shares of the box's own walls: axis, side, cell and share.
     pub on_walls: Vec<(u8, u8, u32, f64)>,
     walls_at_rest: usize,
+    /// True if the last step's fractions are not those of the step before.
+    pub has_changed: bool,
     /// Cells that moving bodies come near: only there fractions differ from those at rest.
     touched: Vec<u32>,
     is_near: Vec<bool>,
@@ -122,6 +124,7 @@ impl<const D: usize> OpenFractions<D> {
             at_rest: Vec::new(),
             on_walls: Vec::new(),
             walls_at_rest: 0,
+            has_changed: true,
             touched: Vec::new(),
             is_near: vec![false; grid.stored],
             near: Vec::new(),
@@ -152,6 +155,7 @@ impl<const D: usize> OpenFractions<D> {
     /// Takes the bodies in, as the free ones are coupled to the pressure; `full` is the mass of a
     /// cell full of fluid [kg].
     pub fn place_bodies(&mut self, grid: &StaggeredGrid<D>, bodies: &[RigidBody<D>], full: f64) {
+        self.has_changed = !self.touched.is_empty();
         for &place in &self.touched {
             let place = place as usize;
             for a in 0..D {
@@ -171,6 +175,7 @@ impl<const D: usize> OpenFractions<D> {
         for (number, body) in bodies.iter().enumerate() {
             self.place_body(grid, body, (self.at_rest.len() + number) as u32, full);
         }
+        self.has_changed |= !self.touched.is_empty();
         self.near.sort_unstable();
         self.fill_ghosts(grid);
     }

@@ -1,5 +1,6 @@
 //! Velocities beyond the fluid: means of neighbours, layer by layer.
 
+use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::{GHOST, StaggeredGrid};
 
 /// Knowledge of the velocity of a face.
@@ -27,6 +28,7 @@ pub struct ExtrapolationRoom {
 /// their known neighbours of the same axis.
 pub fn extrapolate<const D: usize>(
     grid: &StaggeredGrid<D>,
+    near: &NearRows,
     layers: usize,
     state: &mut [FaceState],
     velocity: &mut [f64],
@@ -37,19 +39,22 @@ pub fn extrapolate<const D: usize>(
         let ExtrapolationRoom { found, has_fluid } = room;
         found.clear();
         has_fluid.clear();
+        has_fluid.resize(grid.stored / length, false);
         // A sum over the row, unlike a search, is done for many faces at once.
-        has_fluid.extend(state.chunks_exact(length).map(|row| {
-            row.iter().fold(0_u8, |any, &state| any | u8::from(state == FaceState::Fluid)) != 0
-        }));
+        for span in near.spans() {
+            let any = |any: u8, &state: &FaceState| any | u8::from(state == FaceState::Fluid);
+            has_fluid[span.start / length] = state[span.clone()].iter().fold(0_u8, any) != 0;
+        }
         let is_known = |start: usize| has_fluid[start / length];
-        for start in (0..grid.stored).step_by(length) {
+        for span in near.spans() {
+            let start = span.start / length * length;
             let (rows, count_of_rows) = rows_beside(grid, start);
             let beside = &rows[..count_of_rows];
             if !is_known(start) && !beside.iter().any(|&row| is_known(row)) {
                 continue;
             }
-            for along in 0..length {
-                let at = start + along;
+            for at in span {
+                let along = at - start;
                 if state[at] != FaceState::Unknown {
                     continue;
                 }

@@ -182,7 +182,7 @@ impl<const D: usize> PicSolver<D> {
 
     /// Number of wet cells.
     pub fn wet_cells(&self) -> usize {
-        self.depth.iter().filter(|&&depth| depth > 0.0).count()
+        self.near.cells().filter(|&at| self.depth[at] > 0.0).count()
     }
 
     /// Sums over the particles.

@@ -14,6 +14,7 @@
 //! [`PicSolver::find_loads`] goes as far as 6, with the bodies where a step begins: then the loads
 //! on them are known. [`PicSolver::move_particles`] does the rest, with the bodies where it ends.
 
+use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::cell_order::{CellOrder, cell_of};
 use crate::particles::from_grid::{FaceVelocity, PIECE, ParticleMotion};
@@ -63,6 +64,8 @@ pub struct PicSolver<const D: usize> {
     /// The particles.
     pub particles: ParticleArrays<D>,
     order: CellOrder,
+    /// Cells near particles: all others are air, or solid, and have no values.
+    pub(super) near: NearRows,
     pub(super) fractions: OpenFractions<D>,
     pub(super) before: FaceVelocity<D>,
     pub(super) velocity: FaceVelocity<D>,
@@ -89,6 +92,8 @@ pub struct PicSolver<const D: usize> {
     gap_bands: GapBands<D>,
     pub(super) open_faces: OpenFaces<D>,
     has_surface: bool,
+    /// True once `room` is found; it changes with the fractions alone.
+    has_room: bool,
     /// The step whose pressure `q` is; 0 before the first [s].
     last_step: f64,
     /// Changes of the free bodies' motions that are expected.
@@ -122,6 +127,7 @@ impl<const D: usize> PicSolver<D> {
             variant: Variant::widest(),
             particles: ParticleArrays::new(mass),
             order: CellOrder::default(),
+            near: NearRows::default(),
             open_faces: OpenFaces::new(&grid, &fractions, &settings, open_faces),
             fractions,
             before: std::array::from_fn(|_| zeros()),
@@ -135,7 +141,7 @@ impl<const D: usize> PicSolver<D> {
             cell_mass: zeros(),
             room: zeros(),
             work: zeros(),
-            depth: zeros(),
+            depth: vec![-1.0; grid.stored],
             viscosity: Viscosity::default(),
             stencil: Stencil::of_grid(&grid),
             right: zeros(),
@@ -146,6 +152,7 @@ impl<const D: usize> PicSolver<D> {
             separation: Separation::default(),
             gap_bands: GapBands::default(),
             has_surface: false,
+            has_room: false,
             last_step: 0.0,
             expected_gains: Vec::new(),
             relaxation: 0.0,
@@ -206,8 +213,8 @@ impl<const D: usize> PicSolver<D> {
         self.assemble(dt, bodies);
         let mut outcome = self.solve();
         for _ in 0..ROUNDS {
-            let Self { separation, grid, fractions, q, room, depth, .. } = self;
-            if !self.has_surface || !separation.find(grid, fractions, (q, room), depth) {
+            let Self { separation, grid, near, fractions, q, room, depth, .. } = self;
+            if !self.has_surface || !separation.find((grid, near), fractions, (q, room), depth) {
                 break;
             }
             self.assemble(dt, bodies);
@@ -295,8 +302,10 @@ impl<const D: usize> PicSolver<D> {
     /// Particles to grid. Components are works of their own, so that sums keep their order.
     fn gather(&mut self) {
         self.order.sort(&self.grid, &mut self.particles);
-        let Self { grid, particles, team, before, face_mass, is_carried, state, found, .. } = self;
-        let (grid, particles) = (&*grid, &*particles);
+        self.near.find(&self.grid, self.settings.fills_all, self.order.places());
+        let Self { grid, near, particles, team, before, face_mass, .. } = self;
+        let Self { is_carried, state, found, .. } = self;
+        let (grid, near, particles) = (&*grid, &*near, &*particles);
         team.for_pieces(
             (
                 Cut::every(before, 1),
@@ -306,22 +315,29 @@ impl<const D: usize> PicSolver<D> {
                 Cut::every(found, 1),
             ),
             |a, (before, mass, carried, state, found): Gathered| {
-                to_faces(grid, particles, a, &mut mass[0], &mut before[0]);
-                for (at, &mass) in mass[0].iter().enumerate() {
+                to_faces(grid, near, particles, a, &mut mass[0], &mut before[0]);
+                near.clear_left(&mut carried[0], false);
+                near.clear_left(&mut state[0], FaceState::Unknown);
+                for at in near.spans().flatten() {
+                    let mass = mass[0][at];
                     carried[0][at] = mass > 0.0;
                     state[0][at] = if mass > 0.0 { FaceState::Fluid } else { FaceState::Unknown };
                 }
-                extrapolate(grid, LAYERS, &mut state[0], &mut before[0], &mut found[0]);
+                extrapolate(grid, near, LAYERS, &mut state[0], &mut before[0], &mut found[0]);
             },
         );
     }
 
     /// Depth of each cell below the surface.
     fn find_surface(&mut self) {
-        to_cells(&self.grid, &self.particles, &mut self.cell_mass);
-        room(&self.grid, &self.fractions.volume, &mut self.room, &mut self.work);
+        to_cells(&self.grid, &self.near, &self.particles, &mut self.cell_mass);
+        if self.fractions.has_changed || !self.has_room {
+            room(&self.grid, &self.fractions.volume, &mut self.room, &mut self.work);
+            self.has_room = true;
+        }
         let full = self.full_mass();
-        for at in 0..self.grid.stored {
+        self.near.clear_left(&mut self.depth, -1.0);
+        for at in self.near.spans().flatten() {
             let is_cell = self.fractions.volume[at] > 0.0;
             self.depth[at] = match (is_cell, self.settings.fills_all) {
                 (true, true) => 1.0,
@@ -339,8 +355,7 @@ impl<const D: usize> PicSolver<D> {
     /// that solids take more than half of have too few particles to say anything.
     fn close_voids(&mut self) {
         self.voids.clear();
-        for cell in self.grid.all() {
-            let at = self.grid.place(cell);
+        for at in self.near.cells() {
             if self.depth[at] > 0.0 || self.fractions.volume[at] == 0.0 {
                 continue;
             }
@@ -365,7 +380,8 @@ impl<const D: usize> PicSolver<D> {
     /// beyond the box such a one that the walls between have theirs.
     fn hold_faces(&mut self, bodies: &[RigidBody<D>]) {
         for a in 0..D {
-            hold(&self.grid, &self.fractions, &self.settings, bodies, a, &mut self.before[a]);
+            let grids = (&self.grid, &self.near);
+            hold(grids, &self.fractions, &self.settings, bodies, a, &mut self.before[a]);
             self.grid.ghosts.fill(&mut self.before[a]);
         }
     }
@@ -376,7 +392,8 @@ impl<const D: usize> PicSolver<D> {
         let PicSettings { gravity, drive, viscosity, walls, bodies_stick, density, .. } =
             self.settings;
         for (after, before) in self.velocity.iter_mut().zip(&self.before) {
-            after.copy_from_slice(before);
+            self.near.clear_left(after, 0.0);
+            self.near.spans().for_each(|span| after[span.clone()].copy_from_slice(&before[span]));
         }
         let at_rest = self.fractions.at_rest.len();
         self.viscosity.clear(at_rest, bodies, density * self.grid.cell_volume());
@@ -400,7 +417,7 @@ impl<const D: usize> PicSolver<D> {
             self.expect(dt, gain, bodies, -1.0);
         }
         for (velocity, gain) in self.velocity.iter_mut().zip(gain) {
-            velocity.iter_mut().for_each(|velocity| *velocity += gain);
+            self.near.spans().flatten().for_each(|at| velocity[at] += gain);
         }
         self.open_faces.prescribe(&mut self.velocity);
     }
@@ -415,13 +432,13 @@ impl<const D: usize> PicSolver<D> {
         if self.last_step == 0.0 {
             return;
         }
-        let Self { grid, fractions, settings, q, depth, velocity, .. } = self;
+        let Self { grid, near, fractions, settings, q, depth, velocity, .. } = self;
         let ratio = dt / self.last_step;
         let gradient = PressureGradient { stride: grid.stride, fractions, settings, q, depth };
         for (a, velocity) in velocity.iter_mut().enumerate() {
-            for (at, velocity) in velocity.iter_mut().enumerate().skip(grid.stride[a]) {
+            for at in near.spans().flatten().filter(|&at| at >= grid.stride[a]) {
                 if let Some(slope) = gradient.known(a, at) {
-                    *velocity += factor * (gain[a] - ratio * slope);
+                    velocity[at] += factor * (gain[a] - ratio * slope);
                 }
             }
             grid.ghosts.fill(velocity);
@@ -465,11 +482,14 @@ impl<const D: usize> PicSolver<D> {
     fn assemble(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         let stride = self.grid.stride;
         self.has_surface = false;
-        self.stencil.diagonal.fill(0.0);
-        self.stencil.coupling.iter_mut().for_each(|coupling| coupling.fill(0.0));
-        self.right.fill(0.0);
-        for cell in self.grid.all() {
-            let at = self.grid.place(cell);
+        let Self { stencil, right, near, .. } = self;
+        let Stencil { diagonal, coupling, .. } = stencil;
+        for array in coupling.iter_mut().chain([diagonal, right]) {
+            near.clear_left(array, 0.0);
+            near.fill(array, 0.0);
+        }
+        near.clear_left(&mut self.q, 0.0);
+        for at in self.near.cells() {
             if !self.is_wet(at) {
                 self.q[at] = 0.0;
                 continue;
@@ -501,8 +521,8 @@ impl<const D: usize> PicSolver<D> {
         self.has_surface |=
             open_faces.add_to_equations(step, &fractions.open, velocity, is_wet, stencil, right);
         self.add_bodies(dt, bodies);
-        self.stencil.find_rows(self.grid.row_length());
-        for at in 0..self.grid.stored {
+        self.stencil.find_rows_near(&self.near, self.grid.row_length());
+        for at in self.near.cells() {
             if self.stencil.diagonal[at] == 0.0 {
                 self.right[at] = 0.0;
                 self.q[at] = 0.0;
@@ -513,7 +533,9 @@ impl<const D: usize> PicSolver<D> {
     /// The share of a cell's excess of mass that is moved away in this step. Particles gather as they
     /// move, so it goes with the cells that the fastest fluid crosses.
     fn find_relaxation(&mut self, dt: f64) {
-        let fastest = self.before.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let of_near =
+            |u: &Vec<f64>| self.near.spans().flatten().fold(0.0, |most, at| u[at].abs().max(most));
+        let fastest = self.before.iter().map(of_near).fold(0.0_f64, f64::max);
         let crossed = fastest * dt / self.grid.spacing;
         self.relaxation = self.settings.relaxation * (crossed / USUAL_COURANT).min(1.0);
     }
@@ -522,7 +544,8 @@ impl<const D: usize> PicSolver<D> {
     /// cell may well be less than full.
     fn correct_volume(&mut self) {
         let full = self.full_mass();
-        let Self { grid, team, stencil, fractions, settings, depth, cell_mass, room, .. } = self;
+        let Self { grid, near, team, stencil, fractions, settings, depth, .. } = self;
+        let Self { cell_mass, room, .. } = self;
         let share = self.relaxation;
         let excess = |at: usize| {
             let filled = cell_mass[at] / full - room[at];
@@ -531,7 +554,7 @@ impl<const D: usize> PicSolver<D> {
         let to_surface =
             |wet: usize, air: usize| settings.surface.distance(depth[wet], depth[air].min(0.0));
         let open = &fractions.open;
-        self.correction.find(team, self.variant, grid, stencil, open, excess, to_surface);
+        self.correction.find(team, self.variant, (grid, near), stencil, open, excess, to_surface);
         self.open_faces.hold_still(&mut self.correction.displacement);
     }
 
@@ -591,7 +614,7 @@ impl<const D: usize> PicSolver<D> {
             self.make_compatible();
         }
         let coupling = &self.fractions.free.coupling;
-        self.multigrid.prepare(&self.stencil, coupling);
+        self.multigrid.prepare(&self.stencil, &self.near, coupling);
         let outcome = self.iteration.solve(
             &mut self.team,
             self.variant,
@@ -619,7 +642,8 @@ impl<const D: usize> PicSolver<D> {
 
     /// Takes the pressure's gradient from the velocities, and extrapolates them.
     fn project(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
-        let Self { grid, team, velocity, state, found, is_carried, .. } = self;
+        let Self { grid, near, team, velocity, state, found, is_carried, .. } = self;
+        let near = &*near;
         let Self { fractions, settings, q, depth, open_faces, .. } = self;
         let is_wet = |at: usize| depth[at] > 0.0;
         let step = (dt, grid.spacing);
@@ -629,10 +653,10 @@ impl<const D: usize> PicSolver<D> {
             (Cut::every(velocity, 1), Cut::every(state, 1), Cut::every(found, 1)),
             |a, (velocity, state, found): Projected| {
                 let (velocity, state) = (&mut velocity[0], &mut state[0]);
-                gradient.take(a, &is_carried[a], velocity, state);
+                gradient.take(a, near, &is_carried[a], velocity, state);
                 passing.set_velocities(a, step, (q, is_wet), velocity, state);
-                extrapolate(grid, LAYERS, state, velocity, &mut found[0]);
-                hold(grid, fractions, settings, bodies, a, velocity);
+                extrapolate(grid, near, LAYERS, state, velocity, &mut found[0]);
+                hold((grid, near), fractions, settings, bodies, a, velocity);
                 grid.ghosts.fill(velocity);
             },
         );
@@ -736,14 +760,18 @@ impl<const D: usize> PressureGradient<'_, D> {
     fn take(
         &self,
         axis: usize,
+        near: &NearRows,
         is_carried: &[bool],
         velocity: &mut [f64],
         state: &mut [FaceState],
     ) {
         let Self { fractions, q, depth, .. } = *self;
         let stride = self.stride[axis];
-        state[..stride].fill(FaceState::Unknown);
-        for at in stride..velocity.len() {
+        for at in near.spans().flatten() {
+            if at < stride {
+                state[at] = FaceState::Unknown;
+                continue;
+            }
             let below = at - stride;
             if fractions.is_wall(axis, at, below) {
                 velocity[at] = 0.0;
@@ -783,7 +811,7 @@ impl<const D: usize> PressureGradient<'_, D> {
 /// Gives one component of a velocity to the faces in bodies, and beyond walls, that hold the fluid
 /// back.
 fn hold<const D: usize>(
-    grid: &StaggeredGrid<D>,
+    (grid, near): (&StaggeredGrid<D>, &NearRows),
     fractions: &OpenFractions<D>,
     settings: &PicSettings<D>,
     bodies: &[RigidBody<D>],
@@ -794,11 +822,10 @@ fn hold<const D: usize>(
         return;
     }
     if settings.bodies_stick {
-        for cell in grid.all() {
-            let at = grid.place(cell);
+        for at in near.cells() {
             let holder = fractions.holder[axis][at];
             if holder != NONE {
-                let centre = grid.face_centre(axis, cell);
+                let centre = grid.face_centre(axis, grid.cell_at(at));
                 let (body, centre) = fractions.seen_by(grid, bodies, holder as usize, centre);
                 velocity[at] = body.velocity_at(centre)[axis];
             }
@@ -808,8 +835,7 @@ fn hold<const D: usize>(
         for side in 0..2 {
             let BoxWall::Stick(wall) = settings.walls[b][side] else { continue };
             let last = [0, grid.cells[b] as isize - 1][side];
-            for cell in grid.all().filter(|cell| cell[b] == last) {
-                let at = grid.place(cell);
+            for at in near.cells().filter(|&at| grid.cell_at(at)[b] == last) {
                 let beyond = if side == 0 { at - grid.stride[b] } else { at + grid.stride[b] };
                 velocity[beyond] = 2.0 * wall[axis] - velocity[at];
             }

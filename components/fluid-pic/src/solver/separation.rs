@@ -8,6 +8,7 @@
 //! pressure is negative, and that air reaches directly or through such cells, counts as air from
 //! then on: its pressure is zero. It counts as fluid again as soon as fluid gathers in it.
 
+use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::solids::open_fractions::OpenFractions;
 use crate::surface::fill_level::LITTLE;
@@ -30,7 +31,7 @@ impl Separation {
     /// are any.
     pub fn find<const D: usize>(
         &mut self,
-        grid: &StaggeredGrid<D>,
+        (grid, near): (&StaggeredGrid<D>, &NearRows),
         fractions: &OpenFractions<D>,
         (q, room): (&[f64], &[f64]),
         depth: &mut [f64],
@@ -40,8 +41,7 @@ impl Separation {
             depth[at] > 0.0 && q[at] < 0.0 && is_beside_a_solid(grid, fractions, at)
         };
         self.front.clear();
-        for cell in grid.all() {
-            let at = grid.place(cell);
+        for at in near.cells() {
             if pulls(at, depth) && is_beside_air(grid, fractions, (depth, room), at) {
                 self.front.push(at as u32);
             }

@@ -6,6 +6,7 @@
 //! Longva, Thuerey & Bender, *IEEE Trans. Vis. Comput. Graphics* 27 (2021) 1841). What gathers does
 //! so over few cells: a few steps of conjugate gradients find enough of the displacement.
 
+use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::from_grid::FaceVelocity;
 use crate::pressure::stencil::Stencil;
@@ -49,14 +50,16 @@ impl<const D: usize> VolumeCorrection<D> {
         &mut self,
         team: &mut Team,
         variant: Variant,
-        grid: &StaggeredGrid<D>,
+        (grid, near): (&StaggeredGrid<D>, &NearRows),
         stencil: &Stencil<f64, D>,
         open: &[Vec<f64>; D],
         excess: impl Fn(usize) -> f64,
         to_surface: impl Fn(usize, usize) -> f64,
     ) {
-        self.potential.fill(0.0);
-        self.residual.fill(0.0);
+        for array in [&mut self.potential, &mut self.residual] {
+            near.clear_left(array, 0.0);
+            near.fill(array, 0.0);
+        }
         for at in stencil.rows.all_spans().flatten() {
             if stencil.diagonal[at] > 0.0 {
                 self.residual[at] = excess(at).clamp(-MOST, MOST);
@@ -68,7 +71,8 @@ impl<const D: usize> VolumeCorrection<D> {
         let has = |at: usize| stencil.diagonal[at] > 0.0;
         for (a, displacement) in self.displacement.iter_mut().enumerate() {
             let stride = grid.stride[a];
-            for at in stride..grid.stored {
+            near.clear_left(displacement, 0.0);
+            for at in near.spans().flatten().filter(|&at| at >= stride) {
                 let below = at - stride;
                 let fall = match (has(below), has(at)) {
                     _ if open[a][at] == 0.0 => 0.0,

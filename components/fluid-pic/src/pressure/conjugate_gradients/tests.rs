@@ -1,6 +1,7 @@
 //! A tank with a wave on it and round bodies in a lattice: iterations, solutions, threads.
 
 use super::*;
+use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::solids::open_fractions::OpenFractions;
 use crate::solids::rigid_body::RigidBody;
@@ -84,7 +85,7 @@ impl<const D: usize> Tank<D> {
     fn solve(&self, threads: usize) -> (Vec<f64>, PressureOutcome) {
         let mut team = Team::new("test", threads).unwrap();
         let mut multigrid = Multigrid::new(self.grid.cells, self.grid.periodic);
-        multigrid.prepare(&self.stencil, &self.coupling);
+        multigrid.prepare(&self.stencil, &NearRows::whole(&self.grid), &self.coupling);
         let mut iteration = ConjugateGradients::new(self.grid.stored);
         let mut q = vec![0.0; self.grid.stored];
         let outcome = iteration.solve(
