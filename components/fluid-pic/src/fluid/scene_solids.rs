@@ -190,6 +190,7 @@ impl<const D: usize> SceneSolids<D> {
             _ => return Err(wrong("its shape is unknown")),
         };
         let mut body = RigidBody::at(self.section.along(state.position), shape);
+        body.id = event.id;
         body.velocity = self.section.along(state.velocity);
         body.spin = self.section.turn(state.angular_velocity);
         let mass = event.mass / self.depth;

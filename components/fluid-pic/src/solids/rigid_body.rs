@@ -68,6 +68,8 @@ pub struct RigidBody<const D: usize> {
     pub freedom: Freedom,
     /// Forces besides the fluid's, without weight [N], in two dimensions [N/m].
     pub force: [f64; D],
+    /// Number by which it is known from one step to the next.
+    pub id: u64,
 }
 
 /// `a x b` in three dimensions; in two, of which only the first components count, its last entry.
@@ -97,6 +99,7 @@ impl<const D: usize> RigidBody<D> {
             spin: [0.0; 3],
             freedom: Freedom::Prescribed,
             force: [0.0; D],
+            id: 0,
         }
     }
 

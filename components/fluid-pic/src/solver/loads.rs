@@ -23,13 +23,19 @@ pub struct FluidSums<const D: usize> {
 
 impl<const D: usize> PicSolver<D> {
     /// Loads of pressure and shear on all bodies.
-    pub(super) fn take_loads(&self, dt: f64, bodies: &[RigidBody<D>], loads: &mut Vec<Wrench>) {
+    pub(super) fn take_loads(&mut self, dt: f64, bodies: &[RigidBody<D>], loads: &mut Vec<Wrench>) {
         loads.clear();
+        self.pressed.clear();
         let at_rest = self.fractions.at_rest.len();
         let (mut free, mut held) = (0, at_rest);
         for (number, body) in bodies.iter().enumerate() {
             let place = if body.is_free() { &mut free } else { &mut held };
-            loads.push(self.load(dt, body.is_free(), *place, at_rest + number));
+            let load = self.load(dt, body.is_free(), *place, at_rest + number);
+            if body.is_free() {
+                let shear = self.viscosity.loads.solids[at_rest + number];
+                self.pressed.push((body.id, std::array::from_fn(|k| load[k] - shear[k])));
+            }
+            loads.push(load);
             *place += 1;
         }
     }

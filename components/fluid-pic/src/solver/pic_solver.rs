@@ -96,6 +96,8 @@ pub struct PicSolver<const D: usize> {
     has_room: bool,
     /// The step whose pressure `q` is; 0 before the first [s].
     last_step: f64,
+    /// Loads of pressure on the free bodies in the last step, by the bodies' numbers.
+    pub(super) pressed: Vec<(u64, Wrench)>,
     /// Changes of the free bodies' motions that are expected.
     expected_gains: Vec<Wrench>,
     relaxation: f64,
@@ -154,6 +156,7 @@ impl<const D: usize> PicSolver<D> {
             has_surface: false,
             has_room: false,
             last_step: 0.0,
+            pressed: Vec::new(),
             expected_gains: Vec::new(),
             relaxation: 0.0,
             lift: Vec::new(),
@@ -447,7 +450,16 @@ impl<const D: usize> PicSolver<D> {
         let coupling = &self.fractions.free.coupling;
         let free = bodies.iter().filter(|body| body.is_free());
         for (number, body) in free.enumerate() {
-            let mut wrench = coupling.wrench(number, &self.q).map(|w| ratio * w);
+            // A body moves from cell to cell, some of which had no pressure: its load is known as a
+            // whole.
+            let same = self.pressed.get(number).filter(|(id, _)| *id == body.id);
+            let Some((_, load)) =
+                same.or_else(|| self.pressed.iter().find(|(id, _)| *id == body.id))
+            else {
+                self.expected_gains.push([0.0; 6]);
+                continue;
+            };
+            let mut wrench = load.map(|w| dt / full * w);
             for a in 0..D {
                 let weight = body.mass().unwrap_or(0.0) * self.settings.gravity[a];
                 wrench[a] += dt / full * (body.force[a] + weight);
