@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""The pressure of a free surface with cut cells, Tremie beside PyAMG on this machine, in turns: writes its part of BENCHMARKS.md.
+"""The pressure of a free surface with cut cells, Tremie beside PyAMG and PETSc on this machine, in turns: writes its part of
+BENCHMARKS.md.
 
     python3 tests/performance/compare_pressure.py
 
-PyAMG is installed into an environment of its own (--peers).  Tremie writes the equations of a tank with a wave on it and a
-lattice of fixed round bodies; both programs solve the same ones, from zero, to 1e-8 of the largest right side, setup included, on
-one thread.  Each measurement of Tremie is followed by one of each kind of the peer, three rounds; the fastest counts.
+PyAMG is installed into an environment of its own (--peers); PETSc is the system's (Debian: apt install python3-petsc4py
+python3-scipy).  Tremie writes the equations of a tank with a wave on it and a lattice of fixed round bodies; all programs solve
+the same ones, from zero, to 1e-8 of the largest right side, setup included, on one thread.  Each measurement of Tremie is
+followed by one of each kind of the peers, three rounds; the fastest counts.
 """
 
 import argparse
@@ -20,7 +22,9 @@ PACKAGES = ["pyamg==5.4.1", "numpy==2.4.6", "scipy==1.17.1"]
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 TITLE = "## The pressure of a free surface"
-KINDS = ["classical", "aggregation"]
+KINDS = {"classical": "PyAMG, classical", "aggregation": "PyAMG, aggregation"}
+OF_PETSC = {"gamg": "PETSc, GAMG", "boomeramg": "PETSc, BoomerAMG", "icc": "PETSc, ICC(0)"}
+SYSTEM = "/usr/bin/python3"
 ROUNDS = 3
 BENCH = ["cargo", "bench", "-q", "-p", "tremie-fluid-pic", "--no-default-features", "--bench", "pressure", "--"]
 
@@ -57,18 +61,29 @@ def install(folder):
     return python
 
 
+def petsc():
+    """The version of the system's PETSc."""
+    ask = "import petsc4py; petsc4py.init(); from petsc4py import PETSc; print(*PETSc.Sys.getVersion(), sep='.')"
+    told = subprocess.run([SYSTEM, "-c", ask], capture_output=True, text=True)
+    if told.returncode != 0:
+        sys.exit("PETSc is missing: apt install python3-petsc4py python3-scipy\n" + told.stderr)
+    return told.stdout.strip()
+
+
 def table(ours, theirs):
+    kinds = {**KINDS, **OF_PETSC}
+    names = "".join(f" {name} [ms] | iterations |" for name in kinds.values())
     lines = [
-        "| problem | cells | Tremie [ms] | two threads [ms] | iterations | classical AMG [ms] | iterations | aggregation [ms] | iterations | best peer over Tremie |",
-        "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|",
+        f"| problem | cells | Tremie [ms] | two threads [ms] | iterations |{names} best peer over Tremie |",
+        "|---|---:|---:|---:|---:|" + "---:|---:|" * len(kinds) + "---:|",
     ]
-    for name in dict.fromkeys(name for name, _ in ours):
-        took, iterations, cells = ours[name, 1]
-        classical, aggregation = (theirs[name, kind] for kind in KINDS)
-        ratio = min(classical[0], aggregation[0]) / took
+    for problem in dict.fromkeys(name for name, _ in ours):
+        took, iterations, cells = ours[problem, 1]
+        measured = [theirs[problem, kind] for kind in kinds]
+        ratio = min(time for time, *_ in measured) / took
+        columns = "".join(f" {time:.1f} | {steps} |" for time, _, steps in measured)
         lines.append(
-            f"| {name} | {cells} | {took:.1f} | {ours[name, 2][0]:.1f} | {iterations} | {classical[0]:.1f} | {classical[2]} "
-            f"| {aggregation[0]:.1f} | {aggregation[2]} | {ratio:.1f} |"
+            f"| {problem} | {cells} | {took:.1f} | {ours[problem, 2][0]:.1f} | {iterations} |{columns} {ratio:.1f} |"
         )
     return "\n".join(lines)
 
@@ -78,22 +93,25 @@ def main():
     parser.add_argument("--peers", type=Path, default=ROOT / "target" / "peers-pressure", help="folder of the peer's environment")
     parser.add_argument("--out", type=Path, default=ROOT / "BENCHMARKS.md", help="file whose section is written")
     arguments = parser.parse_args()
-    peer = Peer(install(arguments.peers))
+    version = petsc()
+    pyamg, system = Peer(install(arguments.peers)), Peer(SYSTEM)
+    peers = {kind: pyamg for kind in KINDS} | {kind: system for kind in OF_PETSC}
     ours, theirs = {}, {}
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(ROUNDS):
             for key, measured in own(folder).items():
                 ours[key] = min(ours.get(key, measured), measured)
             for name in dict.fromkeys(name for name, _ in ours):
-                for kind in KINDS:
+                for kind, peer in peers.items():
                     measured = peer.solve(kind, f"{folder}/{name}")
                     theirs[name, kind] = min(theirs.get((name, kind), measured), measured)
     text = f"""{TITLE}
 
 Written by `python3 tests/performance/compare_pressure.py`. The equations are those of a tank with a wave on it and a lattice of
-fixed discs or balls that cut its cells. Both programs solve the same equations from zero to 1e-8 of the largest right side, setup
+fixed discs or balls that cut its cells. All solve the same equations from zero to 1e-8 of the largest right side, setup
 included: Tremie by its multigrid-preconditioned conjugate gradients, {PACKAGES[0].replace("==", " ")} by its classical (Ruge and
-Stüben) and its aggregation multigrid, both with conjugate gradients. Tremie's multigrid is geometric: it knows the grid, which
+Stüben) and its aggregation multigrid, PETSc {version} (Debian) by its GAMG, by hypre's BoomerAMG and by incomplete Cholesky
+factors, all with conjugate gradients. Tremie's multigrid is geometric: it knows the grid, which
 is what a fluid has. One thread; the fastest of {ROUNDS} rounds in turns.
 
 {table(ours, theirs)}

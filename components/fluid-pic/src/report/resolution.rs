@@ -15,7 +15,7 @@ use tremie_messages::scene::{Face, Fill, Scene};
 /// Reynolds number of a cell below which cells resolve the layer beside a wall.
 const RESOLVED_LAYER: f64 = 20.0;
 /// Bytes of a stored cell: arrays of double precision of the solver, and its coarser levels.
-const BYTES_PER_CELL: u64 = 460;
+const BYTES_PER_CELL: u64 = 570;
 /// Bytes of a particle, with room to sort them.
 const BYTES_PER_PARTICLE: u64 = 80;
 /// Memory beyond which a grid is refused [bytes].

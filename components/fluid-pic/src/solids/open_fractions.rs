@@ -210,6 +210,11 @@ impl<const D: usize> OpenFractions<D> {
         at_rest.chain(moving).map(|pair| pair.1 as usize)
     }
 
+    /// Pairs of a cell and the number of a solid that moves near it, by cell.
+    pub fn near_solids(&self) -> &[(u32, u32)] {
+        &self.near
+    }
+
     /// A solid by its number.
     #[inline]
     pub fn solid<'a>(&'a self, bodies: &'a [RigidBody<D>], number: usize) -> &'a RigidBody<D> {

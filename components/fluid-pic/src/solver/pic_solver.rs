@@ -25,13 +25,16 @@ use crate::pressure::body_coupling::Wrench;
 use crate::pressure::conjugate_gradients::{ConjugateGradients, PressureOutcome};
 use crate::pressure::multigrid::Multigrid;
 use crate::pressure::stencil::Stencil;
-use crate::solids::open_fractions::{MARGIN, NONE, OpenFractions};
+use crate::solids::open_fractions::{MARGIN, OpenFractions};
 use crate::solids::rigid_body::RigidBody;
 use crate::solver::extrapolation::{ExtrapolationRoom, FaceState, extrapolate};
 use crate::solver::gap_damping::GapBands;
+use crate::solver::held_faces::hold;
 use crate::solver::open_faces::{OpenFace, OpenFaces};
 use crate::solver::pic_settings::{BoxWall, PicSettings};
+use crate::solver::pressure_gradient::PressureGradient;
 use crate::solver::separation::Separation;
+use crate::solver::slip_faces::SlipFaces;
 use crate::solver::viscosity::Viscosity;
 use crate::solver::volume_correction::VolumeCorrection;
 use crate::solver::wall_links::ViscousStep;
@@ -49,10 +52,6 @@ const USUAL_COURANT: f64 = 0.5;
 
 /// Times that the pressure is solved for again because fluid lets go of solids.
 const ROUNDS: usize = 3;
-
-/// Open fraction of a face below which its velocity says nothing of the fluid around: through a
-/// crevice beside a body it may be many times the body's.
-const CREVICE: f64 = 0.2;
 
 /// A fluid with a free surface, and bodies in it.
 pub struct PicSolver<const D: usize> {
@@ -90,6 +89,9 @@ pub struct PicSolver<const D: usize> {
     correction: VolumeCorrection<D>,
     separation: Separation,
     gap_bands: GapBands<D>,
+    slip_faces: SlipFaces,
+    /// Motions of the bodies at the end of the step.
+    motions: Vec<Wrench>,
     pub(super) open_faces: OpenFaces<D>,
     has_surface: bool,
     /// True once `room` is found; it changes with the fractions alone.
@@ -153,6 +155,8 @@ impl<const D: usize> PicSolver<D> {
             correction: VolumeCorrection::new(&grid),
             separation: Separation::default(),
             gap_bands: GapBands::default(),
+            slip_faces: SlipFaces::default(),
+            motions: Vec::new(),
             has_surface: false,
             has_room: false,
             last_step: 0.0,
@@ -229,6 +233,7 @@ impl<const D: usize> PicSolver<D> {
         self.correct_volume();
         self.project(dt, bodies);
         self.take_loads(dt, bodies, loads);
+        self.slip(dt, bodies, loads);
         outcome
     }
 
@@ -675,6 +680,31 @@ impl<const D: usize> PicSolver<D> {
         open_faces.follow(dt, grid, velocity, is_wet);
     }
 
+    /// Faces in bodies that the fluid slips along have the bodies' normal velocities, as they are once
+    /// the loads have acted.
+    fn slip(&mut self, dt: f64, bodies: &[RigidBody<D>], loads: &[Wrench]) {
+        if self.settings.bodies_stick && self.settings.viscosity > 0.0 {
+            return;
+        }
+        let full = self.full_mass();
+        let Self { grid, fractions, velocity, slip_faces, motions, settings, .. } = self;
+        motions.clear();
+        for (body, load) in bodies.iter().zip(loads) {
+            let mut wrench = *load;
+            for a in 0..D {
+                wrench[a] += body.force[a] + body.mass().unwrap_or(0.0) * settings.gravity[a];
+            }
+            let mobility = body.mobility_by_shear(full);
+            let mut motion = body.motion();
+            for (k, row) in mobility.iter().enumerate() {
+                motion[k] += (0..6).map(|l| row[l] * wrench[l]).sum::<f64>() * dt / full;
+            }
+            motions.push(motion);
+        }
+        slip_faces.constrain(grid, (fractions, bodies), motions, velocity);
+        velocity.iter_mut().for_each(|component| grid.ghosts.fill(component));
+    }
+
     /// Moves particles out of solids, along their normals. Most particles are in cells that no
     /// solid comes near.
     fn push_out(&mut self, bodies: &[RigidBody<D>], margin: f64) {
@@ -739,121 +769,6 @@ type Gathered<'a> = (
 
 /// Arrays of a component that the pressure changes.
 type Projected<'a> = (&'a mut [Vec<f64>], &'a mut [Vec<FaceState>], &'a mut [ExtrapolationRoom]);
-
-/// The pressure, as its gradient is taken from velocities.
-struct PressureGradient<'a, const D: usize> {
-    stride: [usize; D],
-    fractions: &'a OpenFractions<D>,
-    settings: &'a PicSettings<D>,
-    q: &'a [f64],
-    depth: &'a [f64],
-}
-
-impl<const D: usize> PressureGradient<'_, D> {
-    /// Difference of `q` across a face, where the wet cells beside it have one, and there is one.
-    fn known(&self, axis: usize, at: usize) -> Option<f64> {
-        let Self { fractions, q, depth, .. } = *self;
-        let below = at - self.stride[axis];
-        let to_surface = |wet: usize, air: usize| {
-            self.settings.surface.distance(depth[wet], depth[air].min(0.0))
-        };
-        if fractions.open[axis][at] == 0.0 {
-            return None;
-        }
-        match (depth[below] > 0.0, depth[at] > 0.0) {
-            (true, true) if q[below] != 0.0 && q[at] != 0.0 => Some(q[at] - q[below]),
-            (true, false) if q[below] != 0.0 => Some(-q[below] / to_surface(below, at)),
-            (false, true) if q[at] != 0.0 => Some(q[at] / to_surface(at, below)),
-            _ => None,
-        }
-    }
-
-    /// Takes it from the faces across an axis, and says what is known of each.
-    fn take(
-        &self,
-        axis: usize,
-        near: &NearRows,
-        is_carried: &[bool],
-        velocity: &mut [f64],
-        state: &mut [FaceState],
-    ) {
-        let Self { fractions, q, depth, .. } = *self;
-        let stride = self.stride[axis];
-        for at in near.spans().flatten() {
-            if at < stride {
-                state[at] = FaceState::Unknown;
-                continue;
-            }
-            let below = at - stride;
-            if fractions.is_wall(axis, at, below) {
-                velocity[at] = 0.0;
-                state[at] = FaceState::Wall;
-                continue;
-            }
-            let to_surface = |wet: usize, air: usize| {
-                self.settings.surface.distance(depth[wet], depth[air].min(0.0))
-            };
-            let open = fractions.open[axis][at];
-            let is_solid = |cell: usize| fractions.volume[cell] == 0.0;
-            state[at] = match (depth[below] > 0.0, depth[at] > 0.0) {
-                _ if open < CREVICE => FaceState::Unknown,
-                // There is no surface towards a cell without room.
-                (true, false) if is_solid(at) => FaceState::Unknown,
-                (false, true) if is_solid(below) => FaceState::Unknown,
-                (true, true) => {
-                    velocity[at] -= q[at] - q[below];
-                    FaceState::Fluid
-                }
-                (true, false) => {
-                    velocity[at] += q[below] / to_surface(below, at);
-                    FaceState::Fluid
-                }
-                (false, true) => {
-                    velocity[at] -= q[at] / to_surface(at, below);
-                    FaceState::Fluid
-                }
-                // Spray: what particles carry there flies on.
-                (false, false) if is_carried[at] => FaceState::Fluid,
-                (false, false) => FaceState::Unknown,
-            };
-        }
-    }
-}
-
-/// Gives one component of a velocity to the faces in bodies, and beyond walls, that hold the fluid
-/// back.
-fn hold<const D: usize>(
-    (grid, near): (&StaggeredGrid<D>, &NearRows),
-    fractions: &OpenFractions<D>,
-    settings: &PicSettings<D>,
-    bodies: &[RigidBody<D>],
-    axis: usize,
-    velocity: &mut [f64],
-) {
-    if !settings.sticks() || settings.viscosity == 0.0 {
-        return;
-    }
-    if settings.bodies_stick {
-        for at in near.cells() {
-            let holder = fractions.holder[axis][at];
-            if holder != NONE {
-                let centre = grid.face_centre(axis, grid.cell_at(at));
-                let (body, centre) = fractions.seen_by(grid, bodies, holder as usize, centre);
-                velocity[at] = body.velocity_at(centre)[axis];
-            }
-        }
-    }
-    for b in (0..D).filter(|&b| b != axis) {
-        for side in 0..2 {
-            let BoxWall::Stick(wall) = settings.walls[b][side] else { continue };
-            let last = [0, grid.cells[b] as isize - 1][side];
-            for at in near.cells().filter(|&at| grid.cell_at(at)[b] == last) {
-                let beyond = if side == 0 { at - grid.stride[b] } else { at + grid.stride[b] };
-                velocity[beyond] = 2.0 * wall[axis] - velocity[at];
-            }
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests;

@@ -150,3 +150,37 @@ fn threads_change_no_bit() {
         assert!(tank.solve(threads).0 == alone);
     }
 }
+
+/// Another way to the same pressures: Cholesky's factors of the whole matrix, dense, with the blocks
+/// of the bodies, which are half as heavy as the fluid.
+#[test]
+fn a_direct_solution_is_the_same() {
+    let tank = Tank::<2>::new(28, 0.09, 0.5);
+    let cells: Vec<usize> = tank.stencil.rows.all_spans().flatten().collect();
+    let cells: Vec<usize> =
+        cells.into_iter().filter(|&at| tank.stencil.diagonal[at] > 0.0).collect();
+    let n = cells.len();
+    let mut matrix = nalgebra::DMatrix::<f64>::zeros(n, n);
+    let mut unit = vec![0.0; tank.grid.stored];
+    let mut column = vec![0.0; tank.grid.stored];
+    for (j, &cell) in cells.iter().enumerate() {
+        unit[cell] = 1.0;
+        column.fill(0.0);
+        for &at in &cells {
+            column[at] = tank.stencil.applied_at(&unit, at);
+        }
+        tank.coupling.apply(&unit, &mut column, |_| 1.0);
+        for (i, &at) in cells.iter().enumerate() {
+            matrix[(i, j)] = column[at];
+        }
+        unit[cell] = 0.0;
+    }
+    assert!((&matrix - matrix.transpose()).amax() < 1e-14);
+    let right = nalgebra::DVector::from_iterator(n, cells.iter().map(|&at| tank.right[at]));
+    let direct = nalgebra::Cholesky::new(matrix).unwrap().solve(&right);
+    let (q, outcome) = tank.solve(1);
+    assert!(outcome.converged && n > 400, "{n} {outcome:?}");
+    let farthest =
+        cells.iter().enumerate().map(|(i, &at)| (q[at] - direct[i]).abs()).fold(0.0, f64::max);
+    assert!(farthest < 1e-6 * direct.amax(), "{farthest} {}", direct.amax());
+}
