@@ -11,7 +11,7 @@
 //! Kamrin, *Comput. Part. Mech.* 5, 2018). Narrow gaps may be lubricated. Time is integrated by
 //! velocity Verlet with predicted velocities. All quantities are SI, in the world frame.
 //!
-//! A convex polyhedron is the hull of at most 32 corners, of any size and orientation. It touches
+//! A convex polyhedron is the hull of at most 60 corners, of any size and orientation. It touches
 //! polyhedra, spheres, walls and parts under the linear laws; `polyhedra/overlap_integrals.rs` has
 //! the forces, which are derivatives of an energy, so that contacts without dashpots keep it to
 //! second order in the step. The normal stiffness of a law is reached where a polyhedron's largest

@@ -63,6 +63,14 @@ pub enum ConvexError {
         /// Number possible.
         most: usize,
     },
+    /// More faces than contacts are made for.
+    #[error("found {found} faces, expected at most {most}")]
+    TooManyFaces {
+        /// Number found.
+        found: usize,
+        /// Number possible.
+        most: usize,
+    },
     /// Faces so close to one plane that they cannot be told apart.
     #[error(
         "faces lie so close to one plane that they cannot be told apart: expected angles of more than about 1e-5 between them"
@@ -85,10 +93,10 @@ const INSIDE: f64 = 1e-5;
 
 impl Convex {
     /// Most corners of a polyhedron.
-    pub const MOST_CORNERS: usize = 32;
+    pub const MOST_CORNERS: usize = 60;
 
-    /// Most faces of one with that many corners.
-    pub const MOST_FACES: usize = 2 * Self::MOST_CORNERS - 4;
+    /// Most faces of a polyhedron: as many as 32 corners have at most. A prism of 60 corners has 32.
+    pub const MOST_FACES: usize = 60;
 
     /// The hull of points, each of which lies on it. Those that are no corner are left out.
     ///
@@ -127,6 +135,53 @@ impl Convex {
         let found = mesh.moments().volume / own.moments().volume;
         let same = (found - 1.0).abs() < 1e-4;
         if same { Ok(own) } else { Err(ConvexError::NotConvex { found }) }
+    }
+
+    /// A prism over a convex outline in the plane across an axis of the world, `depth` long, from
+    /// `-depth/2` to `depth/2` [m]. The outline's coordinates are along the other two axes, in their
+    /// order.
+    ///
+    /// # Errors
+    /// As [`hull`](Self::hull); vertices are numbered as the outline's.
+    pub fn prism(outline: &[[f64; 2]], across: usize, depth: f64) -> Result<Self, ConvexError> {
+        let others = match across {
+            0 => [1, 2],
+            1 => [0, 2],
+            _ => [0, 1],
+        };
+        let corner = |&[u, v]: &[f64; 2], end: f64| {
+            let mut corner = Vec3::zeros();
+            (corner[others[0]], corner[others[1]], corner[across]) = (u, v, end * depth);
+            corner
+        };
+        let ends = [-0.5, 0.5].map(|end| outline.iter().map(move |c| corner(c, end)));
+        let corners: Vec<Vec3> = ends.into_iter().flatten().collect();
+        let numbered = |error| match error {
+            ConvexError::NotFinite { vertex } => {
+                ConvexError::NotFinite { vertex: vertex % outline.len() }
+            }
+            other => other,
+        };
+        let own = Self::hull(&corners).map_err(numbered)?;
+        // A corner that the others enclose lies on the ends, which says nothing.
+        let sides = || own.faces.iter().filter(|face| face.normal[across].abs() < 0.5);
+        let extent = extent(&corners[..outline.len()]);
+        for (vertex, corner) in corners[..outline.len()].iter().enumerate() {
+            let depth = sides()
+                .map(|face| face.offset - face.normal.dot(corner))
+                .fold(f64::INFINITY, f64::min);
+            if depth > INSIDE * extent {
+                return Err(ConvexError::Inside { vertex, depth: depth / extent });
+            }
+        }
+        Ok(own)
+    }
+
+    /// Least width of its outline as a prism along an axis [m]: the least distance of two parallel
+    /// planes along the axis that it fits between.
+    pub fn least_width_across(&self, axis: usize) -> f64 {
+        let sides = self.faces.iter().map(|face| face.normal).filter(|n| n[axis].abs() < 1e-6);
+        sides.map(|n| self.width_along(n)).fold(f64::INFINITY, f64::min)
     }
 
     /// The same shape of unit size: as large as a sphere of diameter 1, its centroid in the origin.
@@ -168,18 +223,23 @@ impl Convex {
     /// The least distance of two parallel planes that it fits between [m]: one holds a face, or
     /// each an edge.
     pub fn least_width(&self) -> f64 {
-        let width = |n: Vec3| {
-            let heights = self.vertices.iter().map(|&v| n.dot(&v));
-            let range = [f64::INFINITY, f64::NEG_INFINITY];
-            let [low, high] = heights.fold(range, |[l, h], x| [l.min(x), h.max(x)]);
-            high - low
-        };
         let along = |[a, b]: [u32; 2]| self.vertices[b as usize] - self.vertices[a as usize];
         let edges: Vec<Vec3> = self.edges().map(along).collect();
         let pairs = edges.iter().enumerate();
         let across = pairs.flat_map(|(k, &e)| edges[..k].iter().map(move |&f| e.cross(&f)));
         let faces = self.faces.iter().map(|face| face.normal);
-        faces.chain(across.filter_map(unit)).map(width).fold(f64::INFINITY, f64::min)
+        faces
+            .chain(across.filter_map(unit))
+            .map(|n| self.width_along(n))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance of the two planes across a unit vector that it fits between [m].
+    pub fn width_along(&self, n: Vec3) -> f64 {
+        let heights = self.vertices.iter().map(|&v| n.dot(&v));
+        let range = [f64::INFINITY, f64::NEG_INFINITY];
+        let [low, high] = heights.fold(range, |[l, h], x| [l.min(x), h.max(x)]);
+        high - low
     }
 
     /// Distance of the farthest corner from the origin [m].
@@ -232,6 +292,10 @@ impl Convex {
         if self.vertices.len() > Self::MOST_CORNERS {
             let (found, most) = (self.vertices.len(), Self::MOST_CORNERS);
             return Err(ConvexError::TooMany { found, most });
+        }
+        if self.faces.len() > Self::MOST_FACES {
+            let (found, most) = (self.faces.len(), Self::MOST_FACES);
+            return Err(ConvexError::TooManyFaces { found, most });
         }
         let all: Vec<[u32; 2]> = self.faces.iter().flat_map(|face| sides(&face.corners)).collect();
         let closed = all.iter().all(|&[a, b]| {
@@ -408,6 +472,22 @@ mod tests {
             }
         }
         found
+    }
+
+    #[test]
+    fn a_prism_is_as_large_as_its_outline() {
+        // A trapezium, its corners in no order.
+        let outline = [[3.0, 2.0], [0.0, 0.0], [1.0, 2.0], [4.0, 0.0]];
+        for across in 0..3 {
+            let prism = Convex::prism(&outline, across, 0.5).unwrap();
+            assert_eq!((prism.vertices().len(), prism.faces().len()), (8, 6));
+            assert!((prism.moments().volume - 6.0 * 0.5).abs() < 1e-12);
+            assert!((prism.least_width_across(across) - 2.0).abs() < 1e-12);
+            assert!((prism.least_width() - 0.5).abs() < 1e-12);
+        }
+        let bent = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.5, 1.0]];
+        let error = Convex::prism(&bent, 1, 1.0).unwrap_err();
+        assert!(matches!(error, ConvexError::Inside { vertex: 4, .. }), "{error}");
     }
 
     proptest! {

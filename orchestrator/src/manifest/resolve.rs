@@ -14,7 +14,7 @@ use std::path::Path;
 use tremie_messages::Role;
 use tremie_messages::scene::{Domain, Inlet, Profile};
 use tremie_messages::units::{
-    Acceleration, AngularVelocity, Force, Length, Pressure, Time, Velocity,
+    Acceleration, Angle, AngularVelocity, Force, Length, Pressure, Time, Velocity,
 };
 
 /// Frames that a run gives to observers unless told otherwise.
@@ -214,6 +214,11 @@ fn fill_bodies(
     for body in set.polyhedra.iter_mut().flatten() {
         body.velocity.get_or_insert([Velocity(0.0); 3]);
         body.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
+    }
+    for body in set.prisms.iter_mut().flatten() {
+        body.velocity.get_or_insert([Velocity(0.0); 3]);
+        body.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
+        body.turn.get_or_insert(Angle(0.0));
     }
     if let (Some(packing), Some(seed)) = (&mut set.packing, seed) {
         packing.seed.get_or_insert(seed);

@@ -6,6 +6,7 @@ mod contacts;
 mod faces;
 mod inlets;
 mod parts;
+mod planes;
 mod polyhedra;
 mod seals;
 

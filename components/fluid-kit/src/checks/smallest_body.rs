@@ -17,7 +17,12 @@ pub fn thinnest_width(scene: &Scene) -> Option<f64> {
     let of = |set: &BodySet| {
         let Placement::Polyhedra(own) = &set.placement else { return None };
         let shape = scene.shapes.iter().find(|shape| shape.name == own.shape)?;
-        let width = Convex::hull(&shape.vertices).ok()?.unit().least_width();
+        let convex = Convex::hull(&shape.vertices).ok()?.unit();
+        // Of prisms across a plane scene the sections count.
+        let width = match scene.domain.across {
+            Some(across) => convex.least_width_across(across),
+            None => convex.least_width(),
+        };
         Some(width * set.placement.sizes().extremes()[0])
     };
     scene.bodies.iter().filter_map(of).filter(|width| width.is_finite()).reduce(f64::min)

@@ -40,24 +40,33 @@ pub struct SceneSolids<const D: usize> {
     depth: f64,
 }
 
-/// A shape of polyhedra of unit size.
+/// A shape of polyhedra of unit size; in a plane scene of prisms across it.
 #[derive(Clone, Debug)]
 struct UnitShape {
     convex: Convex,
+    /// Least width, of a prism that of its section.
     width: f64,
     volume: f64,
+    /// Radius about the centroid that holds it, or the section of a prism.
+    reach: f64,
     /// Inverse of its inertia for a mass of one; nothing where it has none.
     inverse_inertia: Matrix3<f64>,
 }
 
 impl UnitShape {
-    fn of(vertices: &[[f64; 3]]) -> Option<Self> {
+    fn of<const D: usize>(vertices: &[[f64; 3]], section: &Section<D>) -> Option<Self> {
         let convex = Convex::hull(vertices).ok()?.unit();
         let moments = convex.moments();
         let inverse = (moments.inertia / moments.volume).try_inverse();
+        let seen = |v: &Vec3| section.along((*v).into()).iter().map(|x| x * x).sum::<f64>();
         Some(Self {
-            width: convex.least_width(),
+            width: if D == 2 {
+                convex.least_width_across(section.across())
+            } else {
+                convex.least_width()
+            },
             volume: moments.volume,
+            reach: convex.vertices().iter().map(seen).fold(0.0, f64::max).sqrt(),
             inverse_inertia: inverse.unwrap_or_else(Matrix3::zeros),
             convex,
         })
@@ -149,7 +158,11 @@ impl<const D: usize> SceneSolids<D> {
         Self {
             section,
             parts: ground.moving.iter().map(|s| s.as_deref().map(part_shape)).collect(),
-            shapes: scene.shapes.iter().map(|shape| UnitShape::of(&shape.vertices)).collect(),
+            shapes: scene
+                .shapes
+                .iter()
+                .map(|shape| UnitShape::of(&shape.vertices, &section))
+                .collect(),
             axes: scene.parts.iter().map(axis).collect(),
             depth,
         }
@@ -182,9 +195,9 @@ impl<const D: usize> SceneSolids<D> {
                 let size = event.size[1];
                 BodyShape::Convex {
                     solid: Box::new(HalfSpaces::of(&shape.convex, size, &frame, &self.section)),
-                    reach: event.size[0],
+                    reach: size * shape.reach,
                     width: size * shape.width,
-                    volume: size.powi(3) * shape.volume,
+                    volume: size.powi(3) * shape.volume / self.depth,
                 }
             }
             _ => return Err(wrong("its shape is unknown")),
@@ -222,6 +235,14 @@ impl<const D: usize> SceneSolids<D> {
         let rotation = Matrix3::from_columns(&columns);
         let size = event.size[1];
         let world = rotation * own * rotation.transpose() / (event.mass * size * size);
+        if D == 2 {
+            // A prism turns about the axis across the plane alone; its mass is that of a metre of
+            // depth.
+            let across = self.section.across();
+            let mut inverse = [[0.0; 3]; 3];
+            inverse[2][2] = world[(across, across)] * self.depth;
+            return inverse;
+        }
         std::array::from_fn(|i| std::array::from_fn(|j| world[(i, j)]))
     }
 }

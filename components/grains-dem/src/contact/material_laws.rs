@@ -4,6 +4,7 @@ use crate::bodies::deformable_surface::DeformableSurface;
 use crate::bodies::mirrors;
 use crate::contact::contact_law::Law;
 use crate::contact::linear_contact::LinearLaw;
+use crate::contact::plane_walls;
 use crate::contact::springs::{Reduced, RegisteredSpring};
 use tremie_messages::scene::{Face, Motion, Scene};
 
@@ -121,7 +122,7 @@ pub(crate) fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
     let mut found = Vec::new();
     for (axis, faces) in domain.faces.iter().enumerate() {
         for (side, face) in faces.iter().enumerate() {
-            if *face != Face::Periodic && !scene.is_way_out(axis, side) {
+            if plane_walls::holds(scene, axis, side) {
                 let (side, axis) = (["lower", "upper"][side], ["x", "y", "z"][axis]);
                 let name = format!("the domain's {side} face in {axis}");
                 let mirror = *face == Face::Symmetry;

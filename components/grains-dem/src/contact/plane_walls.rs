@@ -37,7 +37,7 @@ pub(crate) type WallLaws = Vec<Vec<u16>>;
 
 /// True if a face of the domain is a wall or symmetry plane: neither periodic nor an outlet, nor
 /// across a plane scene, in which nothing moves that way.
-fn holds(scene: &Scene, axis: usize, side: usize) -> bool {
+pub(crate) fn holds(scene: &Scene, axis: usize, side: usize) -> bool {
     scene.domain.across != Some(axis)
         && scene.domain.faces[axis][side] != Face::Periodic
         && !scene.is_way_out(axis, side)

@@ -249,6 +249,7 @@ impl PolyContacts {
                 sum.force += load.force;
                 sum.torque += load.torque;
             }
+            let sum = polyhedra.felt(sum);
             self.rows.on.wrench[p] = sum;
             let grain = bodies.poly[slot as usize];
             if grain != SPHERE {

@@ -24,7 +24,7 @@ pub(crate) use shape::{Shape, to_world, turned_axes};
 
 use crate::Vec3;
 use crate::bodies::body_arrays::PlacedSolid;
-use crate::bodies::body_arrays::{Bodies, PlacedSphere};
+use crate::bodies::body_arrays::{Bodies, PlacedSphere, Wrench};
 use shape::Solid;
 use tremie_messages::scene::Scene;
 use tremie_team::{Cut, Team};
@@ -66,6 +66,8 @@ pub(crate) struct Polyhedra {
     /// Corners and face normals of all, from the centroids.
     vertices: Vec<Vec3>,
     normals: Vec<Vec3>,
+    /// The axis across a plane scene: polyhedra are prisms along it, and stay in the plane.
+    across: Option<usize>,
     /// Bounds of each item of work in the vertices and in the normals.
     vertex_bounds: Vec<u32>,
     normal_bounds: Vec<u32>,
@@ -75,7 +77,7 @@ impl Polyhedra {
     /// Polyhedra of a scene, whose shapes are valid; `placed` by ids, which are their places too.
     pub fn new(scene: &Scene, placed: &[PlacedSphere], team: &mut Team) -> Self {
         let shapes: Vec<Shape> = scene.shapes.iter().filter_map(|s| Shape::of(s).ok()).collect();
-        let mut own = Self { shapes, ..Self::default() };
+        let mut own = Self { shapes, across: scene.domain.across, ..Self::default() };
         for (id, body) in (0..).zip(placed) {
             let Some(solid) = body.solid else { continue };
             let shape = &own.shapes[solid.shape as usize];
@@ -167,7 +169,7 @@ impl Polyhedra {
         if self.is_empty() {
             return;
         }
-        let (orientation, load) = (&bodies.orientation, &bodies.load);
+        let (orientation, load, across) = (&bodies.orientation, &bodies.load, self.across);
         self.each(team, |grain| {
             let slot = grain.slot as usize;
             let Some(inertia) = grain.inertia else {
@@ -184,6 +186,9 @@ impl Polyhedra {
             }
             grain.momentum += torque * (0.5 * dt);
             grain.orientation = inertia.drift(grain.orientation, grain.momentum, dt);
+            if let Some(across) = across {
+                grain.orientation = turned_about(across, grain.orientation);
+            }
             grain.spin = inertia.spin(grain.orientation, grain.momentum);
             let predicted = grain.momentum + torque * (0.5 * dt);
             grain.predicted = inertia.spin(grain.orientation, predicted);
@@ -239,6 +244,16 @@ impl Polyhedra {
         });
     }
 
+    /// A load as a body of the scene feels it: in a plane scene without what leads out of it, which
+    /// is rounding.
+    fn felt(&self, load: Wrench) -> Wrench {
+        let Some(across) = self.across else { return load };
+        let mut felt = Wrench { force: load.force, torque: Vec3::zeros() };
+        felt.force[across] = 0.0;
+        felt.torque[across] = load.torque[across];
+        felt
+    }
+
     /// Energy of rotation [J].
     pub fn rotational_energy(&self, bodies: &Bodies) -> f64 {
         let of = |grain: &Grain| {
@@ -247,4 +262,12 @@ impl Polyhedra {
         };
         self.grains.iter().map(of).sum()
     }
+}
+
+/// The turn about one axis that is next to an orientation.
+fn turned_about(axis: usize, q: [f64; 4]) -> [f64; 4] {
+    let length = (q[axis] * q[axis] + q[3] * q[3]).sqrt();
+    let mut turned = [0.0, 0.0, 0.0, q[3] / length];
+    turned[axis] = q[axis] / length;
+    turned
 }

@@ -1,16 +1,18 @@
 //! Checks of polyhedra.
 
+use crate::Vec3;
 use crate::contact::springs::RegisteredSpring;
 use crate::math::numbers::is_positive;
 use crate::math::parameters::Parameters;
 use crate::polyhedra::Shape;
-use crate::setup::check::{all_finite, not_positive};
+use crate::setup::check::{AXES, all_finite, not_positive};
 use crate::setup::check_packing;
+use tremie_geometry::Convex;
 use tremie_messages::{
     Problem,
     scene::{
         BodySet, Motion, Packing, Placement, Polyhedra as Set, Polyhedron, PolyhedronPlacement,
-        Scene,
+        Scene, Shape as SceneShape,
     },
 };
 
@@ -68,6 +70,9 @@ pub(crate) fn set(key: &str, set: &BodySet, own: &Set, scene: &Scene, problems: 
         return;
     };
     let key = format!("{key}.placement.polyhedra.placement");
+    if let Some(across) = scene.domain.across {
+        return plane_set(&key, set, own, (shape, across), scene, problems);
+    }
     match &own.placement {
         PolyhedronPlacement::Listed(list) => {
             for (k, body) in list.iter().enumerate() {
@@ -92,6 +97,62 @@ pub(crate) fn set(key: &str, set: &BodySet, own: &Set, scene: &Scene, problems: 
         }
     }
 }
+
+/// A set of polyhedra in a plane scene: prisms along the axis across it, as long as it is deep,
+/// that turn about this axis alone.
+fn plane_set(
+    key: &str,
+    set: &BodySet,
+    own: &Set,
+    (shape, across): (&SceneShape, usize),
+    scene: &Scene,
+    problems: &mut Vec<Problem>,
+) {
+    let PolyhedronPlacement::Listed(list) = &own.placement else {
+        let message = "packs polyhedra, but the scene is plane";
+        problems.push(Problem::new(format!("{key}.packed"), message).help("list them as prisms"));
+        return;
+    };
+    let (domain, name) = (&scene.domain, AXES[across]);
+    let middle = 0.5 * (domain.min[across] + domain.max[across]);
+    let (depth, Ok(convex)) = (domain.size()[across], Convex::hull(&shape.vertices)) else {
+        return;
+    };
+    let convex = convex.unit();
+    let is_prism = |n: f64| n.abs() < PRISM || n.abs() > 1.0 - PRISM;
+    if !convex.faces().iter().all(|face| is_prism(face.normal[across])) {
+        let message = format!(
+            "has the shape \"{}\", which is no prism along {name}, across the plane scene",
+            own.shape
+        );
+        problems.push(Problem::new(key, message).help("give the shape an outline"));
+        return;
+    }
+    let mut axis = Vec3::zeros();
+    axis[across] = 1.0;
+    for (k, body) in list.iter().enumerate() {
+        let key = format!("{key}.listed[{k}]");
+        listed(&key, set, body, problems);
+        let length = convex.width_along(axis) * body.diameter;
+        if ((length - depth) / depth).abs() > PRISM {
+            let message = format!("is {length} m long, but the plane scene is {depth} m deep");
+            problems.push(Problem::new(format!("{key}.diameter"), message));
+        }
+        if (body.position[across] - middle).abs() > PRISM * depth {
+            let found = body.position[across];
+            let message = format!("is {found} m along {name}, expected the middle, {middle} m");
+            problems.push(Problem::new(format!("{key}.position"), message));
+        }
+        let turns = |q: &[f64]| (0..3).any(|a| a != across && q[a].abs() > PRISM);
+        if turns(&body.orientation) || turns(&body.angular_velocity) {
+            let message = format!("turns about another axis than {name}, out of the plane");
+            problems.push(Problem::new(format!("{key}.orientation"), message));
+        }
+    }
+}
+
+/// Largest difference from a prism as long as a plane scene is deep, in terms of its edges.
+const PRISM: f64 = 1e-6;
 
 fn listed(key: &str, set: &BodySet, body: &Polyhedron, problems: &mut Vec<Problem>) {
     if !is_positive(body.diameter) {

@@ -27,10 +27,10 @@ pub(crate) fn mass_in(scene: &Scene, density: f64, diameter: f64) -> f64 {
     density * scene.domain.body_volume(diameter)
 }
 
-/// Makes cylinders of the bodies of a plane scene.
+/// Makes cylinders of the round bodies of a plane scene. Prisms are as long as it is deep.
 fn lengthen(scene: &Scene, placed: &mut [PlacedSphere]) {
     let Some(depth) = scene.domain.depth() else { return };
-    for body in placed {
+    for body in placed.iter_mut().filter(|body| body.solid.is_none()) {
         body.length = Some(depth);
         body.mass = mass_in(scene, scene.bodies[body.set].density, 2.0 * body.ball.radius);
     }

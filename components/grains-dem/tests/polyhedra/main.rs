@@ -7,3 +7,4 @@ mod polyhedra;
 mod polyhedra_one_wall;
 mod polyhedra_oracle;
 mod polyhedra_rest;
+mod prisms;

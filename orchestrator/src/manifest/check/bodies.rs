@@ -49,7 +49,8 @@ fn body_set(
     let density = density(table, at, findings);
     let motion = motion(table.motion?, table.course.as_ref(), at, findings);
     let placement = placement(table, shapes, at, findings);
-    one_velocity(&motion, &placement, at, findings);
+    let listed = if table.prisms.is_some() { "prisms" } else { "polyhedra" };
+    one_velocity(&motion, &placement, (at, listed), findings);
     Some(BodySet {
         material: table.material.clone().or_else(|| name.clone())?,
         name: name?,
@@ -99,10 +100,11 @@ pub(super) fn followed(tables: &[BodiesTable], findings: &mut Findings) -> Optio
     let mut right = true;
     for (i, table) in tables.iter().enumerate().filter(|(_, table)| table.follow == Some(true)) {
         let round = table.spheres.as_ref().or(table.cylinders.as_ref());
-        let count = match (round, &table.polyhedra) {
-            (Some(list), _) => list.len(),
-            (_, Some(list)) => list.len(),
-            (None, None) => usize::MAX,
+        let count = match (round, &table.polyhedra, &table.prisms) {
+            (Some(list), ..) => list.len(),
+            (_, Some(list), _) => list.len(),
+            (.., Some(list)) => list.len(),
+            (None, None, None) => usize::MAX,
         };
         if table.clump.is_none() && count > MOST_FOLLOWED {
             let key = path::join(&path::item("scene.bodies", i), "follow");
@@ -143,7 +145,7 @@ fn density(table: &BodiesTable, at: &str, findings: &mut Findings) -> Option<f64
 fn one_velocity(
     motion: &Option<Motion>,
     placement: &Option<Placement>,
-    at: &str,
+    (at, of_shape): (&str, &'static str),
     findings: &mut Findings,
 ) {
     let Some(Motion::Prescribed(points)) = motion else { return };
@@ -158,7 +160,7 @@ fn one_velocity(
             ..
         })) => {
             let moves = |s: &Polyhedron| turns(s.velocity, s.angular_velocity);
-            ("polyhedra", list.iter().position(moves))
+            (of_shape, list.iter().position(moves))
         }
         _ => return,
     };
@@ -182,6 +184,19 @@ fn placement(
         return None;
     }
     let round = table.cylinders.as_ref().or(table.spheres.as_ref());
+    if let Some(list) = &table.prisms {
+        let others = [
+            (key, round.is_some()),
+            ("polyhedra", table.polyhedra.is_some()),
+            ("packing", table.packing.is_some()),
+        ];
+        if let Some((other, _)) = others.into_iter().find(|(_, is_there)| *is_there) {
+            let message = format!("found both prisms and {other}, expected one of them");
+            findings.problem(&path::join(at, "prisms"), message);
+            return None;
+        }
+        return polyhedra::prisms(table, list, shapes, at, findings);
+    }
     match (round, &table.polyhedra, &table.packing) {
         (None, Some(list), None) => polyhedra::listed(table, list, shapes, at, findings),
         (Some(_), None, None) if table.shape.is_some() => {
@@ -205,7 +220,7 @@ fn placement(
             }
         }
         (None, None, None) => {
-            let keys = ["spheres", "cylinders", "polyhedra", "packing"];
+            let keys = ["spheres", "cylinders", "polyhedra", "prisms", "packing"];
             if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
                 let message =
                     "missing: where the bodies are, as \"spheres\", \"polyhedra\" or \"packing\"";

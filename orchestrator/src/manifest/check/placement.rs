@@ -31,6 +31,7 @@ pub(super) fn check(
     findings: &mut Findings,
 ) {
     let round = if domain.across.is_some() { "cylinders" } else { "spheres" };
+    let of_shape = if domain.across.is_some() { "prisms" } else { "polyhedra" };
     let mut placed = Vec::new();
     for (i, set) in sets.iter().enumerate() {
         let Some(set) = set else { continue };
@@ -49,7 +50,7 @@ pub(super) fn check(
                 ..
             }) => {
                 for (j, body) in list.iter().enumerate() {
-                    let key = path::item(&path::join(&at, "polyhedra"), j);
+                    let key = path::item(&path::join(&at, of_shape), j);
                     let x = body.position;
                     probes::inside(&x, domain, &path::join(&key, "position"), findings);
                 }

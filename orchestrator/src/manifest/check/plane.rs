@@ -1,9 +1,10 @@
-//! Checks of plane scenes: bodies are cylinders across the plane, and nothing moves out of it.
+//! Checks of plane scenes: bodies are cylinders and prisms across the plane, and nothing moves out
+//! of it.
 
 use super::super::document::{BodiesTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
-use tremie_messages::scene::{BodySet, Domain, Placement};
+use tremie_messages::scene::{BodySet, Domain, Placement, Polyhedra, PolyhedronPlacement};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -18,14 +19,8 @@ pub(super) fn check(
     for (i, set) in table.bodies.iter().enumerate() {
         let at = path::item("scene.bodies", i);
         match domain.across {
-            Some(axis) => only_cylinders(set, axis, &at, findings),
-            None if set.cylinders.is_some() => {
-                let message = "found cylinders, but this is no plane scene";
-                let help =
-                    "write scene.domain.across = \"y\" for a plane of x and z, or take spheres";
-                findings.problem_with_help(&path::join(&at, "cylinders"), message, help);
-            }
-            None => {}
+            Some(axis) => only_across(set, axis, &at, findings),
+            None => none_across(set, &at, findings),
         }
     }
     let Some(axis) = domain.across else { return };
@@ -56,21 +51,64 @@ pub(super) fn check(
     }
     let middle = 0.5 * (domain.min[axis] + domain.max[axis]);
     for (i, set) in bodies.iter_mut().enumerate() {
-        let Some(BodySet { placement: Placement::Listed(list), .. }) = set else { continue };
-        for (j, body) in list.iter_mut().enumerate() {
-            let at = path::item(&path::join(&path::item("scene.bodies", i), "cylinders"), j);
-            if body.velocity[axis] != 0.0 {
-                leaves_plane(&path::join(&at, "velocity"), &body.velocity, axis, findings);
+        let at = path::item("scene.bodies", i);
+        match set {
+            Some(BodySet { placement: Placement::Listed(list), .. }) => {
+                for (j, body) in list.iter_mut().enumerate() {
+                    let at = path::item(&path::join(&at, "cylinders"), j);
+                    stays_in_plane(&at, &body.velocity, &body.angular_velocity, axis, findings);
+                    body.position[axis] = middle;
+                }
             }
-            if (0..3).any(|a| a != axis && body.angular_velocity[a] != 0.0) {
-                let message = format!(
-                    "found {:?} rad/s, but in this plane bodies turn about {} alone",
-                    body.angular_velocity, AXES[axis]
-                );
-                findings.problem(&path::join(&at, "angular_velocity"), message);
+            Some(BodySet {
+                placement:
+                    Placement::Polyhedra(Polyhedra {
+                        placement: PolyhedronPlacement::Listed(list), ..
+                    }),
+                ..
+            }) => {
+                for (j, body) in list.iter_mut().enumerate() {
+                    let at = path::item(&path::join(&at, "prisms"), j);
+                    stays_in_plane(&at, &body.velocity, &body.angular_velocity, axis, findings);
+                    body.position[axis] = middle;
+                }
             }
-            body.position[axis] = middle;
+            _ => {}
         }
+    }
+}
+
+/// Notes motions of a body that lead out of the plane.
+fn stays_in_plane(
+    at: &str,
+    velocity: &[f64; 3],
+    angular_velocity: &[f64; 3],
+    axis: usize,
+    findings: &mut Findings,
+) {
+    if velocity[axis] != 0.0 {
+        leaves_plane(&path::join(at, "velocity"), velocity, axis, findings);
+    }
+    if (0..3).any(|a| a != axis && angular_velocity[a] != 0.0) {
+        let message = format!(
+            "found {angular_velocity:?} rad/s, but in this plane bodies turn about {} alone",
+            AXES[axis]
+        );
+        findings.problem(&path::join(at, "angular_velocity"), message);
+    }
+}
+
+/// Notes bodies that only a plane scene has.
+fn none_across(set: &BodiesTable, at: &str, findings: &mut Findings) {
+    let cases = [
+        ("cylinders", set.cylinders.is_some(), "spheres"),
+        ("prisms", set.prisms.is_some(), "polyhedra"),
+    ];
+    for (key, _, instead) in cases.into_iter().filter(|(_, is_there, _)| *is_there) {
+        let message = format!("found {key}, but this is no plane scene");
+        let help =
+            format!("write scene.domain.across = \"y\" for a plane of x and z, or take {instead}");
+        findings.problem_with_help(&path::join(at, key), message, help);
     }
 }
 
@@ -84,7 +122,8 @@ fn leaves_plane(key: &str, vector: &[f64; 3], axis: usize, findings: &mut Findin
     );
 }
 
-fn only_cylinders(set: &BodiesTable, axis: usize, at: &str, findings: &mut Findings) {
+/// Notes bodies that a plane scene does not have.
+fn only_across(set: &BodiesTable, axis: usize, at: &str, findings: &mut Findings) {
     let others = [
         ("spheres", set.spheres.is_some()),
         ("polyhedra", set.polyhedra.is_some()),
@@ -93,10 +132,10 @@ fn only_cylinders(set: &BodiesTable, axis: usize, at: &str, findings: &mut Findi
     ];
     for (key, _) in others.into_iter().filter(|(_, is_there)| *is_there) {
         let message = format!(
-            "the scene is plane (scene.domain.across = \"{}\"), where bodies are cylinders",
+            "the scene is plane (scene.domain.across = \"{}\"), where bodies are cylinders or prisms",
             AXES[axis]
         );
-        let help = "list them as cylinders = [{ position = [...], diameter = \"10 mm\" }], or leave out scene.domain.across";
+        let help = "list them as cylinders = [{ position = [...], diameter = \"10 mm\" }] or as prisms, or leave out scene.domain.across";
         findings.problem_with_help(&path::join(at, key), message, help);
     }
 }

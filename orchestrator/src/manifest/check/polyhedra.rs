@@ -1,27 +1,38 @@
-//! Checks of `[[scene.shapes]]`, and of the polyhedra of a set.
+//! Checks of `[[scene.shapes]]`, and of the polyhedra and prisms of a set.
 
-use super::super::document::{BodiesTable, PolyhedronTable, SceneTable, ShapeTable};
+use super::super::document::{BodiesTable, PolyhedronTable, PrismTable, SceneTable, ShapeTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::parts::orientation;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use tremie_geometry::{Convex, Mesh, SOLIDS, solid};
+use tremie_geometry::{Convex, ConvexError, Mesh, SOLIDS, solid};
 use tremie_messages::scene::{
-    Geometry, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Pose, Shape,
+    Domain, Geometry, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Pose, Shape,
 };
+use tremie_messages::units::Length;
 
 /// The shapes that bodies may name: those of the scene, and the well-known ones.
 pub(super) struct Shapes {
     known: BTreeMap<String, Convex>,
+    /// Names of those that have an outline.
+    prisms: Vec<String>,
+    /// The axis across a plane scene.
+    across: Option<usize>,
     /// Names of shapes that are there, but wrong.
     wrong: Vec<String>,
 }
 
 impl Shapes {
-    /// Of a scene.
-    pub fn of(table: &SceneTable, findings: &mut Findings) -> Self {
-        let mut own = Self { known: BTreeMap::new(), wrong: Vec::new() };
+    /// Of a scene with this domain.
+    pub fn of(table: &SceneTable, domain: Option<&Domain>, findings: &mut Findings) -> Self {
+        let plane = domain.and_then(|domain| domain.across.zip(domain.depth()));
+        let mut own = Self {
+            known: BTreeMap::new(),
+            prisms: Vec::new(),
+            across: plane.map(|(across, _)| across),
+            wrong: Vec::new(),
+        };
         for (i, table) in table.shapes.iter().enumerate() {
             let at = path::item("scene.shapes", i);
             let Some(name) = findings.required(&table.name, &at, "name") else { continue };
@@ -30,10 +41,18 @@ impl Shapes {
                 findings.problem(&path::join(&at, "name"), message);
                 continue;
             }
-            match convex(table, &at, findings) {
-                Some(convex) => drop(own.known.insert(name, convex)),
-                None => own.wrong.push(name),
+            let found = match &table.outline {
+                Some(outline) => prism(table, outline, plane, &at, findings),
+                None => convex(table, &at, findings),
+            };
+            let Some(convex) = found else {
+                own.wrong.push(name);
+                continue;
+            };
+            if table.outline.is_some() {
+                own.prisms.push(name.clone());
             }
+            own.known.insert(name, convex);
         }
         for name in SOLIDS {
             let corners = solid(name).unwrap_or_default();
@@ -73,6 +92,51 @@ impl Shapes {
     }
 }
 
+/// A prism across a plane scene, of an axis and a depth [m].
+fn prism(
+    table: &ShapeTable,
+    outline: &[[Length; 2]],
+    plane: Option<(usize, f64)>,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Convex> {
+    let key = path::join(at, "outline");
+    if table.vertices.is_some() || table.file.is_some() {
+        let other = if table.file.is_some() { "a file" } else { "vertices" };
+        let message = format!("found both an outline and {other}, expected one of them");
+        findings.problem(&key, message);
+        return None;
+    }
+    let Some((across, depth)) = plane else {
+        let message = "found the outline of a prism, but this is no plane scene";
+        let help = "write scene.domain.across = \"y\" for a plane of x and z, or give vertices";
+        findings.problem_with_help(&key, message, help);
+        return None;
+    };
+    let corners: Vec<[f64; 2]> = outline.iter().map(|corner| corner.map(|x| x.0)).collect();
+    match Convex::prism(&corners, across, depth) {
+        Ok(convex) => Some(convex),
+        Err(ConvexError::TooMany { found, most }) => {
+            let (found, most) = (found / 2, most / 2);
+            let message = format!("found {found} corners, expected at most {most}");
+            findings.problem(&key, message);
+            None
+        }
+        Err(ConvexError::Flat { .. }) => {
+            let points = outline.len();
+            let message = format!(
+                "its {points} corners enclose no area: expected three or more that do not lie in one line"
+            );
+            findings.problem(&key, message);
+            None
+        }
+        Err(error) => {
+            findings.problem(&key, format!("makes no shape: {error}"));
+            None
+        }
+    }
+}
+
 fn convex(table: &ShapeTable, at: &str, findings: &mut Findings) -> Option<Convex> {
     let (key, found) = match (&table.vertices, &table.file) {
         (Some(vertices), None) => {
@@ -87,7 +151,7 @@ fn convex(table: &ShapeTable, at: &str, findings: &mut Findings) -> Option<Conve
             ("file", convex)
         }
         (None, None) => {
-            let keys = ["vertices", "file"];
+            let keys = ["vertices", "file", "outline"];
             if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
                 findings.problem(at, "missing: its corners, as \"vertices\" or as a \"file\"");
             }
@@ -121,6 +185,46 @@ pub(super) fn listed(
     let at = path::join(at, "polyhedra");
     let bodies: Vec<_> = (list.iter().enumerate())
         .map(|(i, table)| polyhedron(table, convex, &path::item(&at, i), findings))
+        .collect();
+    let listed = bodies.into_iter().collect::<Option<_>>()?;
+    Some(of_shape(name, PolyhedronPlacement::Listed(listed)))
+}
+
+/// The prisms of a set.
+pub(super) fn prisms(
+    table: &BodiesTable,
+    list: &[PrismTable],
+    shapes: &Shapes,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Placement> {
+    let name = findings.required(&table.shape, at, "shape")?;
+    let convex = shapes.find(&name, at, findings)?;
+    if !shapes.prisms.contains(&name) {
+        let message = format!("found \"{name}\", which has no outline, but the bodies are prisms");
+        let help = "give the shape an outline = [[\"-2 cm\", \"-1 cm\"], ...] in place of vertices";
+        findings.problem_with_help(&path::join(at, "shape"), message, help);
+        return None;
+    }
+    // As large as it is drawn, in terms of the sphere of equal volume.
+    let diameter = libm::cbrt(6.0 / PI * convex.moments().volume);
+    let across = shapes.across?;
+    let at = path::join(at, "prisms");
+    let prism = |table: &PrismTable, at: &str, findings: &mut Findings| {
+        let position = findings.required(&table.position, at, "position")?;
+        let (sine, cosine) = libm::sincos(0.5 * table.turn?.0);
+        let mut orientation = [0.0, 0.0, 0.0, cosine];
+        orientation[across] = sine;
+        Some(Polyhedron {
+            position: position.map(|x| x.0),
+            orientation,
+            diameter,
+            velocity: table.velocity?.map(|v| v.0),
+            angular_velocity: table.angular_velocity?.map(|w| w.0),
+        })
+    };
+    let bodies: Vec<_> = (list.iter().enumerate())
+        .map(|(i, table)| prism(table, &path::item(&at, i), findings))
         .collect();
     let listed = bodies.into_iter().collect::<Option<_>>()?;
     Some(of_shape(name, PolyhedronPlacement::Listed(listed)))

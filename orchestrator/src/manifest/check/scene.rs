@@ -18,7 +18,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let planes = planes(&table.planes, findings);
     let parts = parts::parts(&table.parts, findings);
     let seals = seals::surfaces(&table.surfaces, &table.parts, findings);
-    let shapes = Shapes::of(table, findings);
+    let shapes = Shapes::of(table, domain.as_ref(), findings);
     let mut bodies = bodies::bodies(&table.bodies, &shapes, findings);
     let mut names = inlets::Names::of(table);
     let unions = bodies::unions(&table.bodies, findings);

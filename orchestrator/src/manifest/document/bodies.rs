@@ -2,14 +2,14 @@
 
 use super::course::MotionCourseEntry;
 use super::forms::read_by_form;
-use super::polyhedra::PolyhedronTable;
+use super::polyhedra::{PolyhedronTable, PrismTable};
 use super::values::DiameterEntry;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
 
 /// Bodies of one material and one kind of motion. Exactly one of `spheres`, `cylinders`,
-/// `polyhedra` and `packing`.
+/// `polyhedra`, `prisms` and `packing`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct BodiesTable {
@@ -39,11 +39,13 @@ pub(in super::super) struct BodiesTable {
     pub spheres: Option<Vec<SphereTable>>,
     /// Each cylinder given, in a plane scene; its position across the plane does not matter.
     pub cylinders: Option<Vec<SphereTable>>,
-    /// Shape of polyhedra: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron,
+    /// Shape of polyhedra or prisms: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron,
     /// dodecahedron or icosahedron (default: the bodies are spheres).
     pub shape: Option<String>,
     /// Each polyhedron given.
     pub polyhedra: Option<Vec<PolyhedronTable>>,
+    /// Each prism given, in a plane scene; the set's shape has an outline.
+    pub prisms: Option<Vec<PrismTable>>,
     /// Spheres packed at random, without overlap; or polyhedra in such spheres, turned at random.
     pub packing: Option<PackingTable>,
 }
