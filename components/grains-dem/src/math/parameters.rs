@@ -45,8 +45,9 @@ pub enum Integrator {
     /// before and after it. What the subcycles of Chen et al. would be without their flaw. For
     /// spheres and cylinders, with parts that stand still or move as given.
     Heun,
-    /// The subcycles as Chen et al. (2019) print them: velocities by Euler's method, positions by
-    /// the mean of each velocity and that at the start of the window. A rebound within a window
+    /// The subcycles as Chen et al. (2019) print them: loads and weight act at the start of the
+    /// window, contacts by Euler's method, and the mean of each velocity and that at the start of
+    /// the window moves a body. A rebound within a window
     /// gains energy, the more the more steps are in the window: it is there to reproduce theirs.
     /// For the same bodies as Heun's.
     Chen,

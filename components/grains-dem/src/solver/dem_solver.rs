@@ -69,6 +69,8 @@ pub(crate) struct Stepping {
     pub dt: f64,
     /// How bodies go through one.
     pub integrator: Integrator,
+    /// Substeps of the window.
+    pub window: u32,
     /// Substeps since the start.
     pub steps: u64,
     /// Progress of the window.
@@ -182,6 +184,7 @@ impl GrainsDem {
             stepping: Stepping {
                 dt,
                 integrator: parameters.integrator,
+                window: 0,
                 steps: 0,
                 progress: Progress::default(),
             },

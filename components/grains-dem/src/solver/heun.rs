@@ -66,7 +66,8 @@ fn correction(body: MovedBody<'_>, half: f64) -> Twist {
     if !body.is_free {
         return Twist::zero();
     }
-    body.twist.kick(&body.acceleration, half);
+    body.twist.kick(&body.by_contacts, half);
+    body.twist.kick(&body.applied, half);
     let (end, seen) = (*body.twist, *body.predicted);
     *body.predicted = end;
     Twist { v: end.v - seen.v, w: end.w - seen.w }

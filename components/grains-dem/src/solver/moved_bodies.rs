@@ -1,7 +1,8 @@
 //! Motion of all bodies by any rule, with what neighbour lists have to know of it.
 
+use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
-use crate::bodies::body_arrays::{Bodies, BoundingSphere, Twist};
+use crate::bodies::body_arrays::{Bodies, BoundingSphere, Twist, Wrench};
 use crate::math::periodic::PeriodicBox;
 use crate::neighbours::size_classes::Leash;
 use crate::solver::force_sum::ForceSum;
@@ -10,8 +11,10 @@ use tremie_team::{Cut, Team};
 
 /// State of a body, as a rule changes it.
 pub(super) struct MovedBody<'a> {
-    /// Acceleration and angular acceleration under the forces of the last evaluation.
-    pub acceleration: Twist,
+    /// Acceleration and angular acceleration under the contacts of the last evaluation.
+    pub by_contacts: Twist,
+    /// The same under load and weight.
+    pub applied: Twist,
     /// True if forces move the body.
     pub is_free: bool,
     /// Velocities.
@@ -52,7 +55,8 @@ pub(super) fn move_bodies(
                 let load = forces.loaded.then_some(&load[first + i]);
                 let mobility = mobility[first + i];
                 let mean = rule(MovedBody {
-                    acceleration: acceleration(contact, load, mobility, forces.gravity),
+                    by_contacts: acceleration(contact, None, mobility, Vec3::zeros()),
+                    applied: acceleration(Wrench::zero(), load, mobility, forces.gravity),
                     is_free: mobility.is_free(),
                     twist: &mut twists[i],
                     predicted: &mut predicted[i],
@@ -71,8 +75,7 @@ pub(super) fn move_bodies(
                 }
                 orientation[i] = turned(orientation[i], mean.w * (0.5 * duration));
             }
-            let place =
-                |(ball, from): (&BoundingSphere, &crate::Vec3)| (ball.x - from).norm_squared();
+            let place = |(ball, from): (&BoundingSphere, &Vec3)| (ball.x - from).norm_squared();
             let squares = balls.iter().zip(&*reference).map(place);
             let due = leash.is_due(farthest, first, squares);
             reach[0] = StepDisplacement { farthest, crossed: any_crossed, due };

@@ -1,14 +1,15 @@
 //! The subcycles that Chen et al. (2019, Eqs. 21-25) print.
 //!
 //! ```text
+//! U_0 = U^n + dt_f (F + G)/M                     loads F and weight G over the whole window dt_f
 //! U_k = U_(k-1) + dt a(X_(k-1), U_(k-1))         X_k = X_(k-1) + dt (U^n + U_k)/2
 //! ```
 //!
-//! with `U^n` the velocity at the start of the window, the step of the fluid; and the same for
-//! angular velocities and orientations. Under forces that are constant over the window they end
-//! where the trapezoidal rule does. Under those of a contact they do not: with more than one step a
-//! window the velocity that moves a body lags behind, and a rebound within a window gains energy,
-//! which the authors' damping hides.
+//! with `U^n` the velocity at the start of the window, the step of the fluid, and a the acceleration
+//! by contacts; the same for angular velocities and orientations. Where nothing touches this is the
+//! trapezoidal rule over the window. Contacts see a velocity that lags behind in what moves the
+//! body, so that a rebound within a window gains energy, the more the longer the window is over the
+//! contact, which the authors' damping hides.
 //!
 //! Within a window `twists` hold `U^n` and the predicted velocities `U_k`.
 
@@ -21,6 +22,7 @@ impl GrainsDem {
     /// Moves the bodies through a substep, that which begins a window if it is the `first`.
     pub(super) fn move_in_window(&mut self, first: bool) {
         let dt = self.stepping.dt;
+        let window = first.then(|| f64::from(self.stepping.window) * dt);
         let forces = AppliedForces {
             contacts: self.search.contacts(),
             loaded: self.fluid.loaded,
@@ -33,7 +35,7 @@ impl GrainsDem {
             forces,
             dt,
             &mut self.record.reaches,
-            |body| substep(body, dt, first),
+            |body| substep(body, dt, window),
         );
     }
 
@@ -44,16 +46,18 @@ impl GrainsDem {
     }
 }
 
-/// Gives a body its next velocities, and returns those that move it.
+/// Gives a body its next velocities, and returns those that move it. The first time in a window loads
+/// and weight act, over the `window` [s].
 #[inline(always)]
-fn substep(body: MovedBody<'_>, dt: f64, first: bool) -> Twist {
+fn substep(body: MovedBody<'_>, dt: f64, window: Option<f64>) -> Twist {
     if !body.is_free {
         return *body.twist;
     }
-    if first {
+    if let Some(window) = window {
         *body.predicted = *body.twist;
+        body.predicted.kick(&body.applied, window);
     }
-    body.predicted.kick(&body.acceleration, dt);
+    body.predicted.kick(&body.by_contacts, dt);
     let (start, now) = (*body.twist, *body.predicted);
     Twist { v: (start.v + now.v) * 0.5, w: (start.w + now.w) * 0.5 }
 }

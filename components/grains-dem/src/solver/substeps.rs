@@ -57,6 +57,7 @@ impl GrainsDem {
     pub fn begin_window(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
         self.stepping.progress.expect("begin_window", false, false)?;
         self.take_loads(substeps, loads)?;
+        self.stepping.window = substeps;
         self.stepping.progress = Progress { open: true, ..Progress::default() };
         Ok(())
     }
