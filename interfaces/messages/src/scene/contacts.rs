@@ -1,5 +1,6 @@
 //! Contact laws.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The contact law between two materials.
@@ -76,7 +77,7 @@ pub enum Spring {
 }
 
 /// Tangential spring of the law of Chen et al.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Tangential {
     /// One that remembers the displacement since the contact began.
