@@ -84,7 +84,7 @@ pub use grains::findings::{findings, limits};
 pub use math::damping::{damping_ratio, restitution};
 pub use math::debris;
 pub use math::error::GrainsError;
-pub use math::parameters::{Lubrication, Parameters};
+pub use math::parameters::{Integrator, Lubrication, Parameters};
 pub use setup::check_clumps::ClumpOverlap;
 pub use setup::resolution::{PairDamping, Resolution};
 pub use setup::slider_times::SliderTimes;

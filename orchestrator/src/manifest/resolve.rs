@@ -12,7 +12,7 @@ use schemars::generate::SchemaSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use tremie_messages::Role;
-use tremie_messages::scene::{Domain, Inlet, Profile};
+use tremie_messages::scene::{Domain, Inlet, Profile, Tangential};
 use tremie_messages::units::{
     Acceleration, Angle, AngularVelocity, Force, Length, Pressure, Time, Velocity,
 };
@@ -140,9 +140,16 @@ impl Document {
         }
         for law in &mut scene.contacts {
             law.hertz.get_or_insert(false);
-            law.friction.get_or_insert(0.0);
+            law.friction.get_or_insert(if law.chen.is_some() { 0.3 } else { 0.0 });
             law.rolling_friction.get_or_insert(0.0);
-            law.tension.get_or_insert(false);
+            law.tension.get_or_insert(law.chen.is_some());
+            if let Some(chen) = &mut law.chen {
+                chen.gap.get_or_insert(Length(0.0));
+                chen.theta.get_or_insert(0.01);
+                chen.alpha.get_or_insert(0.4);
+                chen.psi.get_or_insert(0.3);
+                chen.tangential.get_or_insert(Tangential::Spring);
+            }
         }
     }
 }

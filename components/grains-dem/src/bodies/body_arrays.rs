@@ -77,6 +77,15 @@ impl Mobility {
         (1.0 / (self.inverse_mass + other.inverse_mass)).sqrt()
     }
 
+    /// Mean of the masses of a pair, of those that forces move [kg].
+    pub fn mean_mass(self, other: Self) -> f64 {
+        match (self.is_free(), other.is_free()) {
+            (true, true) => 0.5 * (1.0 / self.inverse_mass + 1.0 / other.inverse_mass),
+            (false, true) => 1.0 / other.inverse_mass,
+            _ => 1.0 / self.inverse_mass,
+        }
+    }
+
     /// True if forces move the body.
     pub fn is_free(self) -> bool {
         self.inverse_mass > 0.0

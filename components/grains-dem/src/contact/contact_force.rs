@@ -35,7 +35,7 @@ use crate::contact::springs::{Reduced, Stiffness};
 pub(crate) struct Contact {
     /// Unit normal from i to j.
     pub normal: Vec3,
-    /// Overlap [m], positive.
+    /// Overlap [m]; negative where there is a gap.
     pub overlap: f64,
     /// Velocity of i relative to j at the contact point [m/s].
     pub velocity: Vec3,
@@ -113,7 +113,11 @@ pub(crate) fn force(
         old: old.into(),
         twist: contact.twist,
         touching: f64::from(u8::from(touching)),
-        since: if touching { 0.0 } else { time_since_touch(contact.overlap, v_n, steps.before) },
+        since: if touching {
+            0.0
+        } else {
+            time_since_touch(contact.overlap + law.gap, v_n, steps.before)
+        },
         steps,
     };
     let Stiffness { k_t, inverse_k_t, gamma_t, remembered, pull_off, .. } = stiffness;
@@ -165,7 +169,7 @@ mod tests {
     use super::*;
     use tremie_messages::scene::{ContactLaw, Damping, Spring};
 
-    const PAIR: Reduced = Reduced { root_mass: 1.0, radius: 1e-3 };
+    const PAIR: Reduced = Reduced { root_mass: 1.0, radius: 1e-3, mean_mass: 2.0 };
 
     fn law(mu: f64) -> Law {
         Law::new(&ContactLaw {

@@ -35,7 +35,7 @@ impl WallContactHistory {
             },
             share: 0.0,
             law: 0,
-            reduced: Reduced { root_mass: 0.0, radius: 0.0 },
+            reduced: Reduced::NONE,
         }; MOST],
         count: 0,
     };

@@ -19,6 +19,8 @@ pub(crate) struct Law {
     pub mu_rolling: f64,
     /// True if the dashpot may pull before two bodies separate.
     pub tension: bool,
+    /// Gap of the surfaces at which contact begins [m].
+    pub gap: f64,
     /// The dashpots.
     pub dashpots: Dashpots,
 }
@@ -27,20 +29,23 @@ impl Law {
     /// The law of a scene. With a given restitution the damping ratio is the same for all pairs.
     pub fn new(law: &ContactLaw) -> Self {
         let spring = RegisteredSpring::of(&law.spring);
+        let by_mass = |zeta: f64| {
+            let dashpots = spring.law().dashpots(zeta);
+            dashpots.map(|per_root_mass| Dashpot { fixed: 0.0, per_root_mass })
+        };
         let [normal, tangential] = match law.damping {
             Damping::Coefficients { normal, tangential } => {
                 [normal, tangential].map(|fixed| Dashpot { fixed, per_root_mass: 0.0 })
             }
-            Damping::Restitution(e) => spring
-                .law()
-                .dashpots(damping::damping_ratio(e, law.tension))
-                .map(|per_root_mass| Dashpot { fixed: 0.0, per_root_mass }),
+            Damping::Restitution(e) => by_mass(damping::damping_ratio(e, law.tension)),
+            Damping::Ratio(ratio) => by_mass(ratio),
         };
         Self {
             spring,
             mu: law.friction,
             mu_rolling: law.rolling_friction,
             tension: law.tension,
+            gap: spring.law().gap(),
             dashpots: Dashpots { normal, tangential },
         }
     }
@@ -59,6 +64,11 @@ impl Law {
     /// The law without friction of any kind.
     pub fn without_friction(&self) -> Self {
         Self { mu: 0.0, mu_rolling: 0.0, ..*self }
+    }
+
+    /// The law in a run with steps of a length [s].
+    pub fn in_steps(&self, step: f64) -> Self {
+        Self { spring: self.spring.in_steps(step), ..*self }
     }
 
     /// Springs and dashpots at an overlap, after `before` at the last evaluation [m].
@@ -92,10 +102,10 @@ impl Law {
     }
 
     /// True if two bodies are in contact at an overlap [m]; `touching` tells if they were before. A
-    /// contact that exists ends only beyond the neck.
+    /// contact begins at the law's gap, and one that exists ends only beyond the neck.
     #[inline(always)]
     pub fn holds(&self, overlap: f64, pair: Reduced, touching: bool) -> bool {
-        overlap > 0.0 || (touching && overlap > -ask!(&self.spring, law => law.neck(pair)))
+        overlap > -self.gap || (touching && overlap > -ask!(&self.spring, law => law.neck(pair)))
     }
 
     /// Energy that a contact's springs hold [J], by its history.

@@ -99,20 +99,25 @@ impl Laws {
         (self.laws.len() - 1) as u16
     }
 
+    /// Gives the laws the length of the steps of a run [s].
+    pub fn set_steps(&mut self, step: f64) {
+        self.laws.iter_mut().for_each(|law| *law = law.in_steps(step));
+    }
+
     /// True if any law has rolling friction.
     pub fn resist_rolling(&self) -> bool {
         self.laws.iter().any(|law| law.mu_rolling > 0.0)
     }
 }
 
-/// The longest neck of a contact between bodies of a scene, the largest of a diameter, or of these
-/// with walls [m].
+/// The largest gap of surfaces in contact, of bodies of a scene, the largest of a diameter, or of
+/// these with walls [m]: the longest neck, and the largest gap at which contact begins.
 pub(crate) fn longest_neck(scene: &Scene, largest: f64) -> f64 {
-    let pair = Reduced { root_mass: 0.0, radius: 0.5 * largest };
-    let necks = scene
-        .contacts
-        .iter()
-        .map(|contact| RegisteredSpring::of(&contact.law.spring).law().neck(pair));
+    let pair = Reduced { radius: 0.5 * largest, ..Reduced::NONE };
+    let necks = scene.contacts.iter().map(|contact| {
+        let spring = RegisteredSpring::of(&contact.law.spring);
+        spring.law().neck(pair).max(spring.law().gap())
+    });
     necks.fold(0.0, f64::max)
 }
 

@@ -19,7 +19,9 @@ impl Stability {
     pub fn of(law: &Law, pair: Reduced, inverse_mass: f64, overlap: f64, contacts: f64) -> Self {
         let at = law.at(overlap, overlap, pair);
         let across = if law.mu > 0.0 { 1.0 } else { 0.0 };
-        let (k_t, gamma_t) = (at.k_t * across, at.gamma_t * across);
+        // A spring of one step is a dashpot `k_t dt`, stable up to half the step of the spring.
+        let of_one_step = 4.0 * law.spring.law().one_step_stiffness(pair);
+        let (k_t, gamma_t) = ((at.k_t + of_one_step) * across, at.gamma_t * across);
         let rolls = law.mu_rolling > 0.0;
         Self {
             frequency_squared: inverse_mass

@@ -139,7 +139,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
     let touches = valid & _mm512_cmp_pd_mask::<_CMP_LT_OQ>(d.dot(d).0, _mm512_mul_pd(reach, reach));
     let touched = follow_state(block, (k, count), touches, (&of_i, &of_j));
     let touched = _mm512_maskz_mov_pd(touched, _mm512_set1_pd(1.0));
-    let root_mass = root_masses(&block.reduced[k..k + count], valid);
+    let root_mass = root_masses(&block.reduced[k..k + count]);
     let numbers =
         _mm256_add_epi32(_mm256_set1_epi32(k as i32), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
     let all = [d.x.0, d.y.0, d.z.0, r_i, r_j, touched, root_mass];
@@ -193,28 +193,20 @@ fn follow_state(
     _mm_test_epi8_mask(before, _mm_set1_epi8(TOUCHING as i8)) as u8
 }
 
-/// `sqrt(m*)` of pairs, as many as are `valid`.
+/// `sqrt(m*)` of pairs, of no more than there are lanes.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
-fn root_masses(pairs: &[Reduced], valid: __mmask8) -> __m512d {
-    const { assert!(size_of::<Reduced>() == 16 && core::mem::offset_of!(Reduced, root_mass) == 0) };
-    let (pairs, twice) = (pairs.as_ptr().cast::<f64>(), twice(valid));
-    // SAFETY: a pair is two numbers; no more are read than the slice holds.
+fn root_masses(pairs: &[Reduced]) -> __m512d {
+    const { assert!(size_of::<Reduced>() == 24 && core::mem::offset_of!(Reduced, root_mass) == 0) };
+    let (numbers, valid) = (pairs.as_ptr().cast::<f64>(), (1u32 << (3 * pairs.len())) - 1);
+    // SAFETY: a pair is three numbers; no more are read than the slice holds.
     unsafe {
-        let low = _mm512_maskz_loadu_pd(twice as u8, pairs);
-        let high = _mm512_maskz_loadu_pd((twice >> 8) as u8, pairs.wrapping_add(LANES));
-        _mm512_permutex2var_pd(low, _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14), high)
+        let low = _mm512_maskz_loadu_pd(valid as u8, numbers);
+        let middle = _mm512_maskz_loadu_pd((valid >> 8) as u8, numbers.wrapping_add(LANES));
+        let high = _mm512_maskz_loadu_pd((valid >> 16) as u8, numbers.wrapping_add(2 * LANES));
+        let most = _mm512_permutex2var_pd(low, _mm512_setr_epi64(0, 3, 6, 9, 12, 15, 0, 0), middle);
+        _mm512_permutex2var_pd(most, _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 10, 13), high)
     }
-}
-
-/// Each bit twice.
-#[inline(always)]
-fn twice(bits: u8) -> u16 {
-    let mut b = u16::from(bits);
-    b = (b | b << 4) & 0x0f0f;
-    b = (b | b << 2) & 0x3333;
-    b = (b | b << 1) & 0x5555;
-    b | b << 1
 }
 
 /// Displacements of the images through which the others are seen; none in lanes that hold no entry.

@@ -2,6 +2,7 @@
 
 use crate::bodies::deformable_surface::{DeformableSurface, SurfaceState};
 use crate::bodies::placed_parts;
+use crate::contact::contact_force::Steps;
 use crate::math::parameters::Parameters;
 use crate::setup::check_surface;
 use crate::solver::dem_solver::GrainsDem;
@@ -60,7 +61,8 @@ impl GrainsDem {
             velocities,
             carrier_force: [0.0; 3],
         });
-        let begun = solver.evaluate_forces(0.0, &states.collect::<Vec<_>>());
+        let steps = Steps { before: 0.0, after: time_step };
+        let begun = solver.evaluate_forces(steps, &states.collect::<Vec<_>>());
         begun
             .and_then(|()| if surfaces.is_empty() { Ok(()) } else { solver.check_overlap() })
             .map_err(|error| vec![Problem::new("surfaces", error.to_string())])?;

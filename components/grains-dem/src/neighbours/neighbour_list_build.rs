@@ -119,7 +119,7 @@ impl NeighbourListBuilder {
         let count = pairs.bounds[self.blocks.len()] as usize;
         pairs.entries.resize(count, ListedPair::default());
         pairs.gaps.resize(count, 0.0);
-        pairs.reduced.resize(count, Reduced { root_mass: 0.0, radius: 0.0 });
+        pairs.reduced.resize(count, Reduced::NONE);
         pairs.state.resize(count, 0);
         pairs.xi.resize(count, Vec3::zeros());
         pairs.records.resize(count, ContactState::NONE);
@@ -305,5 +305,6 @@ fn reduced_of(bodies: &Bodies, i: usize, j: usize) -> Reduced {
     Reduced {
         root_mass: bodies.mobility[i].root_reduced_mass(bodies.mobility[j]),
         radius: a * b / (a + b),
+        mean_mass: bodies.mobility[i].mean_mass(bodies.mobility[j]),
     }
 }

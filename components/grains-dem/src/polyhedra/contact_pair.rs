@@ -174,7 +174,7 @@ impl SolidPairEntry {
             overlap: memory.overlap,
         };
         let law = &around.scenery.laws[self.law as usize];
-        let reduced = Reduced { root_mass: self.root_mass, radius };
+        let reduced = Reduced { root_mass: self.root_mass, radius, ..Reduced::NONE };
         let steps = around.scenery.steps;
         let f = contact_force::force(law, reduced, &contact, &mut plain, touched, steps);
         *memory = OverlapHistory {

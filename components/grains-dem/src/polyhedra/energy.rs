@@ -156,7 +156,8 @@ impl SolidPairEntry {
                     let radius = bodies.balls[ball as usize].radius;
                     let overlap =
                         radius - super::contact_geometry::closest(solid(grain), way).distance;
-                    law.normal_energy(overlap, Reduced { root_mass: self.root_mass, radius })
+                    let pair = Reduced { root_mass: self.root_mass, radius, ..Reduced::NONE };
+                    law.normal_energy(overlap, pair)
                 };
                 match balls {
                     [true, _] => of_ball(b, a, -way),

@@ -9,7 +9,8 @@ use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self};
 use crate::setup::material_pairs::BodyStatistics;
 use crate::setup::{
-    check_clumps, check_law, check_packing, check_polyhedra, check_ports, check_slider,
+    check_clumps, check_integrator, check_law, check_packing, check_polyhedra, check_ports,
+    check_slider,
 };
 use crate::solver::overlaps::TOUCHING;
 use crate::solver::placement;
@@ -82,6 +83,8 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     for (i, pair) in scene.contacts.iter().enumerate() {
         check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
+    check_law::with_surfaces(scene, &mut problems);
+    check_integrator::check(scene, parameters, &mut problems);
     if problems.is_empty() {
         // These checks rely on a scene that is valid so far.
         check_ports::ports(scene, parameters, &mut problems);

@@ -5,7 +5,7 @@ use crate::math::numbers::is_positive;
 use crate::setup::check::not_positive;
 use tremie_messages::{
     Problem,
-    scene::{ContactLaw, Damping},
+    scene::{ContactLaw, Damping, Scene},
 };
 
 /// Checks the numbers of a law.
@@ -28,6 +28,7 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             not_negative("damping.coefficients.normal", normal);
             not_negative("damping.coefficients.tangential", tangential);
         }
+        Damping::Ratio(ratio) => not_negative("damping.ratio", ratio),
         Damping::Restitution(e) => {
             if !(e > 0.0 && e <= 1.0) {
                 let message = format!("is {e}, expected a coefficient of restitution in (0, 1]");
@@ -39,11 +40,46 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
     for &(name, value, _) in positive.filter(|(_, value, _)| !is_positive(*value)) {
         problems.push(not_positive(format!("{key}.{name}"), value));
     }
-    let coefficients = matches!(law.damping, Damping::Coefficients { .. });
-    if coefficients && !spring.law().takes_coefficients() {
-        let name = spring.law().name();
-        let message = format!("gives dashpots by coefficients, but the spring is {name}");
-        let help = "give the restitution";
+    let (name, restitution) = (spring.law().name(), spring.law().takes_restitution());
+    let mismatch = match law.damping {
+        Damping::Coefficients { .. } if !spring.law().takes_coefficients() => {
+            Some("gives dashpots by coefficients")
+        }
+        Damping::Restitution(_) if !restitution => Some("gives the restitution"),
+        _ => None,
+    };
+    if let Some(gives) = mismatch {
+        let message = format!("{gives}, but the spring is {name}");
+        let help = if restitution { "give the restitution" } else { "give the ratio" };
         problems.push(Problem::new(format!("{key}.damping"), message).help(help));
     }
+    if spring.law().is_by_mean_mass() && law.rolling_friction > 0.0 {
+        let found = law.rolling_friction;
+        let message = format!("is {found}, but {name} has no form with rolling friction");
+        let help = "make it 0, or give the pair another law";
+        problems.push(Problem::new(format!("{key}.rolling_friction"), message).help(help));
+    }
+}
+
+/// Checks that surfaces of the scene that deform are met under laws that have a form for them.
+pub(crate) fn with_surfaces(scene: &Scene, problems: &mut Vec<Problem>) {
+    for (i, pair) in scene.contacts.iter().enumerate() {
+        let spring = RegisteredSpring::of(&pair.law.spring);
+        let mut surfaces = scene.surfaces.iter();
+        let met = surfaces.any(|surface| pair.between.contains(&surface.material));
+        if met && spring.law().is_by_mean_mass() {
+            problems.push(no_form_for_surfaces(format!("scene.contacts[{i}].law.spring"), &spring));
+        }
+    }
+}
+
+/// The problem of a law that has no form for surfaces that deform.
+pub(crate) fn no_form_for_surfaces(key: String, spring: &RegisteredSpring) -> Problem {
+    let message = format!("is met under {}, which has no form for it", spring.law().name());
+    let message = if key.ends_with("spring") {
+        format!("is {}, which has no form for surfaces that deform", spring.law().name())
+    } else {
+        message
+    };
+    Problem::new(key, message).help("give the pair linear springs")
 }

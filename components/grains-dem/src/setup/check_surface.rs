@@ -6,6 +6,7 @@ use crate::contact::contact_law::Law;
 use crate::contact::springs::Reduced;
 use crate::math::numbers::is_positive;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
+use crate::setup::check_law;
 use crate::setup::material_pairs::BodyStatistics;
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::PI;
@@ -82,8 +83,12 @@ fn meets(
     };
     let Some((mass, radius)) = BodyStatistics::lightest(scene, set, whole) else { return };
     let speed = slowest(scene);
-    let pair = Reduced { root_mass: mass.sqrt(), radius };
+    let pair = Reduced { root_mass: mass.sqrt(), radius, mean_mass: mass };
     let law = Law::new(law);
+    if law.spring.law().is_by_mean_mass() {
+        problems.push(check_law::no_form_for_surfaces(key.into(), &law.spring));
+        return;
+    }
     if law.spring.law().neck(pair) > 0.0 {
         let name = law.spring.law().name();
         let message =

@@ -200,8 +200,12 @@ impl<'a> BodyStatistics<'a> {
             let with_surface = light[1].radius.is_infinite();
             let side = if with_surface { "surface of " } else { "" };
             let name = format!("{a} with {side}{b}");
+            let by_mean_mass = law.spring.law().is_by_mean_mass();
+            // The dense ones sink deepest, but where the stiffness goes with the mass the small do.
+            let sinking = if by_mean_mass { light } else { dense };
+            let soft = (reduced(sinking).0, sinking[0].radius.min(sinking[1].radius));
+            let light = if by_mean_mass { quickest(light, heavy) } else { light };
             let ((light, inverse_mass), (heavy, _)) = (reduced(light), reduced(heavy));
-            let soft = (reduced(dense).0, dense[0].radius.min(dense[1].radius));
             if let Some(known) = found.iter_mut().find(|known| known.name == name) {
                 known.contacts = (known.contacts + contacts as f64).min(MOST_WALLS as f64);
                 // A slider is lighter than what stands still.
@@ -342,11 +346,37 @@ fn first_two(
     [first, others.first().copied().unwrap_or(b)]
 }
 
-/// Reduced mass and radius, and the sum of the inverse masses that a contact has to move.
+/// The masses and the reduced radius, and the sum of the inverse masses that a contact has to move.
 fn reduced([a, b]: [LightestBody; 2]) -> (Reduced, f64) {
     let inverse_mass = 1.0 / a.mass + 1.0 / b.mass;
     let radius = 1.0 / (1.0 / a.radius + 1.0 / b.radius);
-    (Reduced { root_mass: (1.0 / inverse_mass).sqrt(), radius }, 1.0 / a.felt + 1.0 / b.felt)
+    // Of a wall or a part, and where a motion is given, the mass does not count.
+    let counts = |body: &LightestBody| body.mass.is_finite() && body.radius.is_finite();
+    let mean_mass = match (counts(&a), counts(&b)) {
+        (true, true) => 0.5 * (a.mass + b.mass),
+        (false, true) => b.mass,
+        _ => a.mass,
+    };
+    let reduced = Reduced { root_mass: (1.0 / inverse_mass).sqrt(), radius, mean_mass };
+    (reduced, 1.0 / a.felt + 1.0 / b.felt)
+}
+
+/// Where the stiffness goes with the mean mass, the pair whose contacts are quickest: a light body
+/// is, with another one or with a heavy one.
+fn quickest(light: [LightestBody; 2], heavy: [LightestBody; 2]) -> [LightestBody; 2] {
+    let mut best = light;
+    let rate = |pair: [LightestBody; 2]| {
+        let (masses, inverse_mass) = reduced(pair);
+        masses.mean_mass * inverse_mass
+    };
+    for pair in [[light[0], heavy[0]], [light[0], heavy[1]], [heavy[0], light[1]]] {
+        // Else they may be one and the same body.
+        let apart = pair[0].mass != pair[1].mass && pair[0].radius != pair[1].radius;
+        if apart && !pair[0].is_joined_to(&pair[1]) && rate(pair) > rate(best) {
+            best = pair;
+        }
+    }
+    best
 }
 
 fn speed(scene: &Scene) -> f64 {

@@ -146,7 +146,7 @@ impl Parameters {
             stable_time_step: finite(limits.dense),
             contact_time: finite(limits.contact),
             expected_speed: speed,
-            hertz: encounters.iter().any(|e| e.law.as_linear().is_none()),
+            hertz: encounters.iter().any(|e| e.law.spring.law().exponent() > 1.0),
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
             room: (!scene.inlets.is_empty()).then_some(room),

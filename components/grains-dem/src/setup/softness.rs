@@ -101,8 +101,10 @@ fn at_impact(encounter: &MaterialPair<'_>, impacts: &Impacts) -> Option<Overlap>
     let (pair, radius) = encounter.soft;
     let power = encounter.law.spring.law().exponent() + 1.0;
     let left = libm::pow(damped(encounter.law.damping_ratio(pair)), 2.0 / power);
-    let depth = encounter.law.largest_overlap(pair, speed) * left;
-    let ratio = depth / radius;
+    // What the dashpot takes is taken from where contact begins.
+    let gap = encounter.law.gap;
+    let depth = (encounter.law.largest_overlap(pair, speed) + gap) * left - gap;
+    let ratio = not_negative(depth / radius);
     let why = format!("{} at {} m/s, {whence}", encounter.name, short(speed));
     let remedy = stiffer(&encounter.law, libm::pow(ratio / GOOD, power));
     (ratio.is_finite() && speed > 0.0).then_some(Overlap { ratio, why, remedy })
@@ -115,7 +117,7 @@ fn at_rest(encounter: &MaterialPair<'_>, scene: &Scene, pressure: f64) -> Option
     let own = if encounter.with_surface { pair.root_mass * pair.root_mass * gravity } else { 0.0 };
     let force = (pressure * 4.0 * radius * radius).max(own);
     let spring = encounter.law.spring.law();
-    let ratio = spring.overlap_under(force, pair) / radius;
+    let ratio = not_negative(spring.overlap_under(force, pair) / radius);
     let why = format!(
         "{} under {} N, the pressure {} Pa of the bed on a grain of {} m, or its own weight",
         encounter.name,
@@ -125,6 +127,11 @@ fn at_rest(encounter: &MaterialPair<'_>, scene: &Scene, pressure: f64) -> Option
     );
     let remedy = stiffer(&encounter.law, libm::pow(ratio / GOOD, spring.exponent()));
     (ratio.is_finite() && force > 0.0).then_some(Overlap { ratio, why, remedy })
+}
+
+/// Contacts that begin at a gap may end there too.
+fn not_negative(ratio: f64) -> f64 {
+    if ratio < 0.0 { 0.0 } else { ratio }
 }
 
 fn stiffer(law: &Law, factor: f64) -> String {

@@ -13,7 +13,7 @@ use crate::contact::contact_force::Steps;
 use crate::contact::material_laws::longest_neck;
 use crate::forces::pair_forces;
 use crate::math::error::GrainsError;
-use crate::math::parameters::Parameters;
+use crate::math::parameters::{Integrator, Parameters};
 use crate::math::tally::Tally;
 use crate::neighbours::displacement::MaxDisplacement;
 use crate::neighbours::size_classes::Skins;
@@ -67,6 +67,10 @@ pub(crate) struct Threads {
 pub(crate) struct Stepping {
     /// Length of a substep [s].
     pub dt: f64,
+    /// How bodies go through one.
+    pub integrator: Integrator,
+    /// Substeps of the window.
+    pub window: u32,
     /// Substeps since the start.
     pub steps: u64,
     /// Progress of the window.
@@ -85,7 +89,7 @@ pub(crate) struct StepRecord {
     /// Sum of the tallies of the last evaluation.
     tally: Tally,
     max_overlap_ratio: f64,
-    deep_overlaps: u64,
+    pub(super) deep_overlaps: u64,
 }
 
 /// Loads of a fluid.
@@ -125,7 +129,8 @@ impl GrainsDem {
         mut team: Team,
     ) -> Self {
         let largest = largest(scene, spheres);
-        let around = InteractionContext::of_scene(scene, parameters, parts, surfaces, largest);
+        let mut around = InteractionContext::of_scene(scene, parameters, parts, surfaces, largest);
+        around.laws.set_steps(dt);
         let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
         let polyhedra = Polyhedra::new(scene, spheres, &mut team);
@@ -176,7 +181,13 @@ impl GrainsDem {
                 events,
             },
             threads: Threads { team, choice: None, found: None },
-            stepping: Stepping { dt, steps: 0, progress: Progress::default() },
+            stepping: Stepping {
+                dt,
+                integrator: parameters.integrator,
+                window: 0,
+                steps: 0,
+                progress: Progress::default(),
+            },
             record,
             fluid: FluidLoads { loaded: false, fluid_impulse: Vec3::zeros(), load_sums },
             survey: Survey::default(),
@@ -364,37 +375,18 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
-    pub(crate) fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
+    /// Moves the bodies to the end of a substep, which may be the `first` of a window, and lists
+    /// neighbours anew where they moved far.
+    pub(crate) fn drift(&mut self, first: bool) -> Result<(), GrainsError> {
         let (from, to) = (self.time(), self.time_after(1));
         self.population.driven.begin(&mut self.population.bodies, from, to);
-        let forces = AppliedForces {
-            contacts: self.search.contacts(),
-            loaded: self.fluid.loaded,
-            gravity: self.gravity,
-        };
-        let (team, bodies) = (&mut self.threads.team, &mut self.population.bodies);
-        let bounds = &self.around.bounds;
-        let step = (self.stepping.dt, finish);
-        self.population.clumps.begin(bodies, forces, step);
-        let leash = self.search.leash();
-        integrate::first_half(
-            team,
-            bodies,
-            (bounds, leash),
-            forces,
-            step,
-            &mut self.record.reaches,
-        );
-        let reach =
-            self.record.reaches.iter().fold(StepDisplacement::default(), |all, &one| all.and(one));
-        if reach.crossed {
-            self.record.crossed = true;
-            let blocks = (0..).zip(&self.record.reaches).filter(|(_, reach)| reach.crossed);
-            // Entries name the image of the other body, and a crossing changes it.
-            self.search.pairs.follow(&self.population.bodies.crossed, blocks.map(|(b, _)| b));
+        let finish = !first && self.stepping.integrator == Integrator::Verlet;
+        if self.stepping.integrator == Integrator::Chen {
+            self.move_in_window(first);
+        } else {
+            self.move_by_half_kicks(finish);
         }
-        self.record.wandered.extend(self.record.reaches.iter().map(|reach| reach.farthest.sqrt()));
+        let due = self.follow_bodies();
         self.population.driven.end(&mut self.population.bodies, to);
         self.around.slide(to);
         self.population.clumps.end(&mut self.population.bodies);
@@ -415,23 +407,58 @@ impl GrainsDem {
         self.check_sliders()?;
         let limit = self.search.skins().least_slack();
         let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
-        if far || reach.due {
+        if far || due {
             self.check_inside()?;
             self.rebuild_lists();
         }
         Ok(())
     }
 
-    /// Contact forces at the predicted velocities, `before` after the last evaluation, with those
-    /// on `surfaces` as they are accepted.
+    /// Half kicks, drift and prediction of Verlet's method.
+    fn move_by_half_kicks(&mut self, finish: bool) {
+        let forces = AppliedForces {
+            contacts: self.search.contacts(),
+            loaded: self.fluid.loaded,
+            gravity: self.gravity,
+        };
+        let (team, bodies) = (&mut self.threads.team, &mut self.population.bodies);
+        let bounds = &self.around.bounds;
+        let step = (self.stepping.dt, finish);
+        self.population.clumps.begin(bodies, forces, step);
+        let leash = self.search.leash();
+        integrate::first_half(
+            team,
+            bodies,
+            (bounds, leash),
+            forces,
+            step,
+            &mut self.record.reaches,
+        );
+    }
+
+    /// Notes how far bodies have gone, and which images they see since; true if neighbours are to be
+    /// listed anew.
+    pub(super) fn follow_bodies(&mut self) -> bool {
+        let reach =
+            self.record.reaches.iter().fold(StepDisplacement::default(), |all, &one| all.and(one));
+        if reach.crossed {
+            self.record.crossed = true;
+            let blocks = (0..).zip(&self.record.reaches).filter(|(_, reach)| reach.crossed);
+            // Entries name the image of the other body, and a crossing changes it.
+            self.search.pairs.follow(&self.population.bodies.crossed, blocks.map(|(b, _)| b));
+        }
+        self.record.wandered.extend(self.record.reaches.iter().map(|reach| reach.farthest.sqrt()));
+        reach.due
+    }
+
+    /// Contact forces at the predicted velocities, with those on `surfaces` as they are accepted.
     pub(crate) fn evaluate_forces(
         &mut self,
-        before: f64,
+        steps: Steps,
         surfaces: &[SurfaceState<'_>],
     ) -> Result<(), GrainsError> {
         self.record.tallies.fill(Tally::default());
         self.search.evaluated = true;
-        let steps = Steps { before, after: self.stepping.dt };
         let scenery = self.around.scenery(&self.population.bodies, self.record.crossed, steps);
         let (team, search) = (&mut self.threads.team, &mut self.search);
         let (wandered, tallies) = (&self.record.wandered, &mut self.record.tallies[..]);
@@ -511,7 +538,7 @@ impl GrainsDem {
     }
 
     /// Every centre must lie inside the domain, or beyond a face through which spheres leave.
-    fn check_inside(&self) -> Result<(), GrainsError> {
+    pub(super) fn check_inside(&self) -> Result<(), GrainsError> {
         let outside = |&&slot: &&u32| {
             let x = self.population.bodies.balls[slot as usize].x;
             !self.around.bounds.contains_but_for(self.around.ways_out, x)

@@ -229,8 +229,8 @@ fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
         let (ball, twist) = (&at.bodies.balls[i], &at.bodies.predicted[i]);
         for entry in walls.rows.row(p) {
             let (contact, _) = touch_of_wall(ball, twist, &seen.walls[entry.wall as usize]);
-            if contact.overlap > 0.0 || entry.touching {
-                let (law, pair) = (&at.laws[entry.law as usize], entry.reduced);
+            let (law, pair) = (&at.laws[entry.law as usize], entry.reduced);
+            if contact.overlap > -law.gap || entry.touching {
                 springs[i - first] +=
                     elastic_energy(law, pair, &contact, &entry.memory, at.steps.after);
             }

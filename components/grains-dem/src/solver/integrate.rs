@@ -55,7 +55,7 @@ impl StepDisplacement {
 /// Acceleration and angular acceleration of a body under contact forces, loads and weight; none of
 /// one that goes with a clump.
 #[inline(always)]
-fn acceleration(
+pub(super) fn acceleration(
     contact: Wrench,
     load: Option<&Wrench>,
     mobility: Mobility,
@@ -75,7 +75,7 @@ fn acceleration(
 
 impl Twist {
     #[inline(always)]
-    fn kick(&mut self, a: &Twist, dt: f64) {
+    pub(super) fn kick(&mut self, a: &Twist, dt: f64) {
         self.v += a.v * dt;
         self.w += a.w * dt;
     }
@@ -202,7 +202,7 @@ pub(crate) fn second_half(
 /// The orientation `q` turned by a small rotation, given as half its angle along its axis in the
 /// world frame: `q + (h, 0) q`, renormalised, is exact to second order in the angle.
 #[inline(always)]
-fn turned(q: [f64; 4], h: Vec3) -> [f64; 4] {
+pub(super) fn turned(q: [f64; 4], h: Vec3) -> [f64; 4] {
     // x + h.x w + h.y z - h.z y, and likewise y and z;  w - h.x x - h.y y - h.z z
     let (q, h, last) = (Four(q), Four::of(&h), Four([1.0, 1.0, 1.0, -1.0]));
     let turned = q

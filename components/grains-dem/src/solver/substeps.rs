@@ -11,6 +11,7 @@
 use crate::bodies::deformable_surface::{FacetLoad, SurfaceState};
 use crate::contact::contact_force::Steps;
 use crate::math::error::GrainsError;
+use crate::math::parameters::Integrator;
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::integrate::{self, AppliedForces};
 use crate::walls::deformable_surfaces::RigidWalls;
@@ -56,6 +57,7 @@ impl GrainsDem {
     pub fn begin_window(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
         self.stepping.progress.expect("begin_window", false, false)?;
         self.take_loads(substeps, loads)?;
+        self.stepping.window = substeps;
         self.stepping.progress = Progress { open: true, ..Progress::default() };
         Ok(())
     }
@@ -74,7 +76,7 @@ impl GrainsDem {
             .is_some_and(|choice| choice.begin(self.population.bodies.len()));
         self.threads.team.work_alone(is_alone);
         let begin = self.clock();
-        self.drift(self.stepping.progress.done > 0)?;
+        self.drift(self.stepping.progress.done == 0)?;
         self.spend(begin);
         self.stepping.progress.inside = true;
         Ok(())
@@ -116,7 +118,11 @@ impl GrainsDem {
     pub fn finish_substep(&mut self, accepted: &[SurfaceState<'_>]) -> Result<(), GrainsError> {
         self.stepping.progress.expect("finish_substep", true, true)?;
         let begin = self.clock();
-        self.evaluate_forces(self.stepping.dt, accepted)?;
+        let dt = self.stepping.dt;
+        match self.stepping.integrator {
+            Integrator::Heun => self.correct_and_evaluate(accepted)?,
+            _ => self.evaluate_forces(Steps { before: dt, after: dt }, accepted)?,
+        }
         self.spend(begin);
         self.threads.found =
             self.threads.choice.as_mut().and_then(Choice::end).or(self.threads.found.take());
@@ -145,29 +151,10 @@ impl GrainsDem {
     pub fn end_window(&mut self) -> Result<(), GrainsError> {
         self.stepping.progress.expect("end_window", true, false)?;
         let substeps = std::mem::take(&mut self.stepping.progress).done;
-        if substeps > 0 {
-            let forces = AppliedForces {
-                contacts: self.search.contacts(),
-                loaded: self.fluid.loaded,
-                gravity: self.gravity,
-            };
-            integrate::second_half(
-                &mut self.threads.team,
-                &mut self.population.bodies,
-                forces,
-                self.stepping.dt,
-            );
-            self.population.clumps.second_half(
-                &mut self.population.bodies,
-                forces,
-                self.stepping.dt,
-            );
-            self.population.polyhedra.second_half(
-                &mut self.population.bodies,
-                self.fluid.loaded,
-                self.stepping.dt,
-            );
-            self.around.parts.iter_mut().for_each(|part| part.finish(self.stepping.dt));
+        match self.stepping.integrator {
+            Integrator::Verlet if substeps > 0 => self.finish_half_kicks(),
+            Integrator::Chen if substeps > 0 => self.end_subcycles(),
+            _ => {}
         }
         let duration = f64::from(substeps) * self.stepping.dt;
         // Before spheres come and go: the probes know positions by the ranks of this window.
@@ -179,6 +166,28 @@ impl GrainsDem {
         );
         self.population.events.clear();
         self.pass_ports()
+    }
+
+    /// The half kick that ends a window under Verlet's method.
+    fn finish_half_kicks(&mut self) {
+        let forces = AppliedForces {
+            contacts: self.search.contacts(),
+            loaded: self.fluid.loaded,
+            gravity: self.gravity,
+        };
+        integrate::second_half(
+            &mut self.threads.team,
+            &mut self.population.bodies,
+            forces,
+            self.stepping.dt,
+        );
+        self.population.clumps.second_half(&mut self.population.bodies, forces, self.stepping.dt);
+        self.population.polyhedra.second_half(
+            &mut self.population.bodies,
+            self.fluid.loaded,
+            self.stepping.dt,
+        );
+        self.around.parts.iter_mut().for_each(|part| part.finish(self.stepping.dt));
     }
 
     /// Pose and velocity of the slider that carries a surface: within a substep those that forces

@@ -117,9 +117,9 @@ impl FoundParts {
             let ball = &bodies.balls[i];
             self.look(placed, ball.x, ball.radius + at.skins.gap(ball.radius), at.bounds);
             if self.triangles.len() > found {
-                let root_mass = bodies.mobility[i].root_reduced_mass(placed.mobility());
                 let law = at.laws.between(at.materials[part], bodies.material[i]);
-                self.enter(WallId::Part(part as u32), law, root_mass, ball.radius);
+                let reduced = reduced(bodies, i, placed.mobility());
+                self.enter(WallId::Part(part as u32), law, reduced);
             }
         }
     }
@@ -128,15 +128,13 @@ impl FoundParts {
         let ball = &bodies.balls[i];
         for (wall, plane) in at.walls.iter().enumerate() {
             if !plane.mirror && plane.overlap(ball) > -at.skins.gap(ball.radius) {
-                let root_mass = bodies.mobility[i].root_reduced_mass(Mobility::NONE);
                 let law = at.wall_laws[wall][bodies.material[i] as usize];
-                self.enter(WallId::Wall(wall as u32), law, root_mass, ball.radius);
+                self.enter(WallId::Wall(wall as u32), law, reduced(bodies, i, Mobility::NONE));
             }
         }
     }
 
-    fn enter(&mut self, met: WallId, law: u16, root_mass: f64, radius: f64) {
-        let reduced = Reduced { root_mass, radius };
+    fn enter(&mut self, met: WallId, law: u16, reduced: Reduced) {
         self.near.push(self.triangles.len() as u32);
         self.rows.entries.push(ListedWall {
             met,
@@ -157,6 +155,17 @@ impl FoundParts {
             let near = self.room.iter().filter(near);
             self.triangles.extend(near.map(|&triangle| (triangle, image)));
         }
+    }
+}
+
+/// A body with a wall or a part of a mobility. Also of a slider it is the body's mass that counts as
+/// the mean one.
+fn reduced(bodies: &Bodies, i: usize, other: Mobility) -> Reduced {
+    let own = bodies.mobility[i];
+    Reduced {
+        root_mass: own.root_reduced_mass(other),
+        radius: bodies.balls[i].radius,
+        mean_mass: own.mean_mass(Mobility::NONE),
     }
 }
 

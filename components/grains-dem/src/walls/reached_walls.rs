@@ -44,11 +44,7 @@ pub(crate) fn is_soft(near: &WallPoint) -> bool {
 
 impl Reached {
     pub const NONE: Self = Self {
-        points: [ReachedPoint {
-            near: WallPoint::NONE,
-            law: 0,
-            reduced: Reduced { root_mass: 0.0, radius: 0.0 },
-        }; MOST],
+        points: [ReachedPoint { near: WallPoint::NONE, law: 0, reduced: Reduced::NONE }; MOST],
         count: 0,
         history: WallContactHistory::NONE,
     };

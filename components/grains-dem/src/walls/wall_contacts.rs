@@ -129,6 +129,7 @@ fn find(
                 reduced: Reduced {
                     root_mass: mobility.root_reduced_mass(Mobility::NONE),
                     radius: ball.radius,
+                    mean_mass: mobility.mean_mass(Mobility::NONE),
                 },
                 memory: remembered.unwrap_or_default(),
                 force: Vec3::zeros(),

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod chen;
 mod hertz;
 mod incline;
 mod jkr;

@@ -7,6 +7,7 @@ mod clumps;
 mod conservation;
 mod exchange;
 mod impulse;
+mod integrators;
 mod order;
 mod pile;
 mod ports;

@@ -1,5 +1,6 @@
 //! Contact laws.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The contact law between two materials.
@@ -60,6 +61,30 @@ pub enum Spring {
         /// bodies of one material [J/m²].
         work_of_adhesion: f64,
     },
+    /// The springs of Chen et al. (2019), by the mean mass `m = (m_1 + m_2)/2` of a pair, of a body
+    /// with a wall or a part the body's: `F_n = k (delta + gap)` with `k = m stiffness_per_mass`,
+    /// and `k_t = k/(2 (1 + psi))`. Damping is by [`Damping::Ratio`].
+    Chen {
+        /// Stiffness over the mean mass, which they take as `g/(theta dx)` [1/s²].
+        stiffness_per_mass: f64,
+        /// Gap of the surfaces at which contact begins [m].
+        gap: f64,
+        /// Their number `psi`, in the place of a Poisson's ratio.
+        psi: f64,
+        /// The tangential spring.
+        tangential: Tangential,
+    },
+}
+
+/// Tangential spring of the law of Chen et al.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tangential {
+    /// One that remembers the displacement since the contact began.
+    Spring,
+    /// As they print it: one that knows the displacement of a single time step `dt`, which makes it
+    /// a dashpot `k_t dt`; at rest it carries nothing.
+    OneStep,
 }
 
 /// Damping of a contact.
@@ -76,4 +101,8 @@ pub enum Damping {
         /// Tangential.
         tangential: f64,
     },
+    /// By the damping ratio: the normal dashpot is `2 ratio sqrt(m k_n)`, with the mass that the
+    /// law reckons with, the reduced one or under the law of Chen et al. the mean one; the
+    /// tangential dashpot is the normal one times `sqrt(k_t/k_n)`.
+    Ratio(f64),
 }

@@ -21,7 +21,7 @@ pub use bodies::{
     BodySet, BodySizes, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere,
     TimedMotion,
 };
-pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
+pub use contacts::{ContactLaw, Damping, PairLaw, Spring, Tangential};
 pub use course::{Course, Sine};
 pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Outflow, Plane, Profile};
 pub use fill::Fill;

@@ -3,7 +3,7 @@
 use super::super::document::{ContactTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
-use super::materials;
+use super::{chen, materials};
 use std::collections::{BTreeMap, BTreeSet};
 use tremie_messages::scene::{
     BodySet, ContactLaw, Damping, DeformableSurface, Domain, Face, Motion, PairLaw, Part, Plane,
@@ -41,7 +41,7 @@ pub(super) fn contacts(
     let mut other: Option<Option<Written>> = None;
     for (i, table) in scene.contacts.iter().enumerate() {
         let at = path::item("scene.contacts", i);
-        let written = written(table, &at, findings);
+        let written = written(scene, table, &at, findings);
         let key = path::join(&at, "between");
         let Some(between) = &table.between else {
             if findings.is_unreadable(&key) {
@@ -190,7 +190,19 @@ fn effective_moduli(
     pair.iter().all(|(e, nu)| *e > 0.0 && *nu > -1.0 && *nu <= 0.5).then_some(effective)
 }
 
-fn written(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Written> {
+fn written(
+    scene: &SceneTable,
+    table: &ContactTable,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Written> {
+    if let Some(law) = &table.chen {
+        return chen::law(scene, table, law, at, findings).map(|law| Written {
+            hertz: false,
+            work_of_adhesion: None,
+            law,
+        });
+    }
     let spring = spring(table, at, findings);
     let mut coefficient = |value: Option<f64>, key: &str| {
         value.filter(|value| findings.not_negative(*value, &path::join(at, key)))

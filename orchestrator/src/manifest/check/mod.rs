@@ -3,6 +3,7 @@
 //! Each check notes its problems and returns `None` where it has no value to go on with.
 
 mod bodies;
+mod chen;
 mod components;
 mod contacts;
 mod course;

@@ -2,7 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tremie_messages::units::{Dashpot, Density, Pressure, Stiffness};
+use tremie_messages::scene::Tangential;
+use tremie_messages::units::{Dashpot, Density, Length, Pressure, Stiffness};
 
 /// A material of bodies, parts or walls.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,7 +18,7 @@ pub(in super::super) struct MaterialTable {
 }
 
 /// Spring, dashpot and friction. Springs by `normal_stiffness` and `tangential_stiffness`, or by
-/// `hertz = true`; damping by `restitution`, or by both dashpots.
+/// `hertz = true`; damping by `restitution`, or by both dashpots. Or both by `chen`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ContactTable {
@@ -34,7 +35,10 @@ pub(in super::super) struct ContactTable {
     /// surface energy of bodies of one material; 1 N/m is 1 J/m2. The law is then that of Johnson,
     /// Kendall and Roberts (default: no adhesion).
     pub work_of_adhesion: Option<Stiffness>,
-    /// Coefficient of friction (default: 0).
+    /// Springs and dashpots of Chen et al. (2019), by the mean mass of a pair and the cell of the
+    /// fluid; in place of stiffnesses and damping. It needs gravity.
+    pub chen: Option<ChenTable>,
+    /// Coefficient of friction (default: 0; with `chen` 0.3).
     pub friction: Option<f64>,
     /// Coefficient of rolling friction: largest rolling torque over normal force and reduced radius
     /// (default: 0).
@@ -45,6 +49,26 @@ pub(in super::super) struct ContactTable {
     pub normal_damping: Option<Dashpot>,
     /// Coefficient of the tangential dashpot of a linear spring.
     pub tangential_damping: Option<Dashpot>,
-    /// Whether the dashpot may pull before two bodies separate (default: false).
+    /// Whether the dashpot may pull before two bodies separate (default: false; with `chen` true).
     pub tension: Option<bool>,
+}
+
+/// The law of Chen et al. (2019): the stiffness `k = m g/(theta cell)` by the mean mass m of a pair,
+/// or the mass of a body at a wall or a part, and the dashpot `2 alpha sqrt(m k)`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct ChenTable {
+    /// Cell of the fluid.
+    pub cell: Option<Length>,
+    /// Gap of the surfaces at which contact begins; they take two cells (default: 0).
+    pub gap: Option<Length>,
+    /// Overlap under a body's own weight over the cell (default: 0.01).
+    pub theta: Option<f64>,
+    /// Damping over `2 sqrt(m k)` (default: 0.4).
+    pub alpha: Option<f64>,
+    /// The tangential spring is `k/(2 (1 + psi))` (default: 0.3).
+    pub psi: Option<f64>,
+    /// Tangential spring: "spring", which remembers the displacement of the contact, or "one-step",
+    /// that of one time step alone, as they print it (default: "spring").
+    pub tangential: Option<Tangential>,
 }

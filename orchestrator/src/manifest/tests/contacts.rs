@@ -1,7 +1,7 @@
 //! Materials, contact laws of pairs, diameters and motions of bodies.
 
 use super::*;
-use tremie_messages::scene::{ContactLaw, MotionPoint, SievePoint, Spring};
+use tremie_messages::scene::{ContactLaw, MotionPoint, SievePoint, Spring, Tangential};
 
 /// Two sets of bodies in a box, with what a test adds.
 const TWO: &str = r#"[run]
@@ -288,4 +288,53 @@ fn bodies_can_follow_a_course() {
     one_problem(&text.replace("{ time = \"0 s\" }", "{}"), &["course[0].time"]);
     let placed = "diameter = \"0.1 m\", velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] }]";
     one_problem(&text.replace("diameter = \"0.1 m\" }]", placed), &["spheres[0]", "has a course"]);
+}
+
+/// The law of Chen et al. in place of the common law.
+fn by_chen(more: &str) -> String {
+    let common = "normal_stiffness = \"1e4 N/m\"\ntangential_stiffness = \"8e3 N/m\"\nfriction = 0.3\nrestitution = 0.8\n";
+    assert!(TWO.contains(common));
+    let weight = "[scene]\ngravity = [\"0 m/s2\", \"0 m/s2\", \"-9.81 m/s2\"]\n\n[scene.domain]\n";
+    TWO.replacen(common, more, 1).replacen("[scene.domain]\n", weight, 1)
+}
+
+#[test]
+fn chen_takes_gravity_and_the_cell() {
+    let text = by_chen("chen = { cell = \"0.5 mm\", gap = \"1 mm\" }\n");
+    let scene = read(&text).unwrap().spec.scene;
+    let found = law(&scene, "glass", "wall");
+    let Spring::Chen { stiffness_per_mass, gap, psi, tangential } = found.spring else { panic!() };
+    assert!((stiffness_per_mass / (9.81 / (0.01 * 0.5e-3)) - 1.0_f64).abs() < 1e-14);
+    assert_eq!((gap, psi, tangential), (1e-3, 0.3, Tangential::Spring));
+    assert_eq!((found.damping, found.friction, found.tension), (Damping::Ratio(0.4), 0.3, true));
+    reads_back(&text);
+    let text = by_chen(
+        "chen = { cell = \"1 mm\", theta = 0.02, alpha = 0.2, psi = 0, tangential = \"one-step\" }\nfriction = 0.1\ntension = false\n",
+    );
+    let scene = read(&text).unwrap().spec.scene;
+    let found = law(&scene, "glass", "glass");
+    let tangential = Tangential::OneStep;
+    let stiffness_per_mass = 9.81 / (0.02 * 1e-3);
+    assert_eq!(found.spring, Spring::Chen { stiffness_per_mass, gap: 0.0, psi: 0.0, tangential });
+    assert_eq!((found.damping, found.friction, found.tension), (Damping::Ratio(0.2), 0.1, false));
+    reads_back(&text);
+}
+
+#[test]
+fn what_does_not_go_with_chen_is_one_problem() {
+    let chen = "chen = { cell = \"0.5 mm\" }\n";
+    for (key, value) in [
+        ("normal_stiffness", "\"1 N/m\""),
+        ("hertz", "true"),
+        ("restitution", "0.5"),
+        ("normal_damping", "\"1 kg/s\""),
+    ] {
+        one_problem(&by_chen(&format!("{chen}{key} = {value}\n")), &[key, "found chen too"]);
+    }
+    one_problem(&by_chen(&format!("{chen}rolling_friction = 0.1\n")), &["rolling_friction"]);
+    one_problem(&by_chen("chen = {}\n"), &["chen.cell"]);
+    one_problem(&by_chen("chen = { cell = \"0 mm\" }\n"), &["chen.cell", "more than zero"]);
+    one_problem(&by_chen("chen = { cell = \"1 mm\", alpha = -1 }\n"), &["chen.alpha"]);
+    let weightless = by_chen(chen).replacen("-9.81", "0", 1);
+    one_problem(&weightless, &["scene.contacts[0].chen", "gravity"]);
 }

@@ -236,7 +236,7 @@ mod tests {
     };
     const GELATINE: HertzJkr =
         HertzJkr { effective_modulus: 1e5, effective_shear_modulus: 3e4, work_of_adhesion: 0.02 };
-    const PAIR: Reduced = Reduced { root_mass: 1e-3, radius: 50e-6 };
+    const PAIR: Reduced = Reduced { root_mass: 1e-3, radius: 50e-6, mean_mass: 2e-6 };
     const NONE: Dashpots = {
         let none = Dashpot { fixed: 0.0, per_root_mass: 0.0 };
         Dashpots { normal: none, tangential: none }

@@ -134,7 +134,7 @@ mod tests {
 
     /// Rebound speed over impact speed, by small steps.
     fn rebound(law: &Law, speed: f64) -> f64 {
-        let pair = Reduced { root_mass: 1e-6f64.sqrt(), radius: 1e-3 };
+        let pair = Reduced { root_mass: 1e-6f64.sqrt(), radius: 1e-3, mean_mass: 2e-6 };
         let scale = 1e-6 * speed * speed / (2e9 * 1e-3f64.sqrt());
         let dt = 2e-5 * libm::pow(scale, 0.4) / speed;
         let (mut overlap, mut v) = (0.0, speed);

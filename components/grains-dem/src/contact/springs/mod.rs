@@ -6,13 +6,15 @@
 pub mod hertz_jkr;
 pub mod hertz_mindlin;
 pub mod linear_spring;
+pub mod mean_mass_spring;
 
 use crate::contact::springs::hertz_jkr::HertzJkr;
 use crate::contact::springs::hertz_mindlin::HertzMindlin;
 use crate::contact::springs::linear_spring::LinearSpring;
+use crate::contact::springs::mean_mass_spring::MeanMassSpring;
 use tremie_messages::scene::Spring;
 
-/// Reduced quantities of a pair.
+/// Masses and size of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub(crate) struct Reduced {
@@ -20,6 +22,13 @@ pub(crate) struct Reduced {
     pub root_mass: f64,
     /// `R*` [m].
     pub radius: f64,
+    /// Mean of both masses; of a body with a wall, a part or a body of given motion its own [kg].
+    pub mean_mass: f64,
+}
+
+impl Reduced {
+    /// Of a pair that is not there yet.
+    pub const NONE: Self = Self { root_mass: 0.0, radius: 0.0, mean_mass: 0.0 };
 }
 
 /// Springs and dashpots of a contact at one moment.
@@ -42,7 +51,8 @@ pub(crate) struct Stiffness {
 }
 
 /// A dashpot's coefficient [kg/s] as `fixed + per_root_mass sqrt(m*)`; under Hertz's law as `fixed
-/// + per_root_mass sqrt(m* k_H) delta^(1/4)`.
+/// + per_root_mass sqrt(m* k_H) delta^(1/4)`, and under the law of Chen et al. the mean mass in the
+/// place of `sqrt(m*)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dashpot {
     pub fixed: f64,
@@ -73,8 +83,7 @@ pub(crate) enum Bound {
 
 /// Normal and tangential springs of a contact law.
 ///
-/// The methods before [`as_linear`](Self::as_linear) are called in every step, the others before a
-/// run.
+/// Forces, energies, slopes and weights are asked in every step, the others before a run.
 pub(crate) trait ContactSpring {
     /// Springs and dashpots at an overlap, after `before` at the last evaluation [m].
     fn at(&self, overlap: f64, before: f64, pair: Reduced, dashpots: &Dashpots) -> Stiffness;
@@ -90,6 +99,22 @@ pub(crate) trait ContactSpring {
     #[inline(always)]
     fn neck(&self, _: Reduced) -> f64 {
         0.0
+    }
+
+    /// Gap of the surfaces at which contact begins, whether they touched before or not [m].
+    fn gap(&self) -> f64 {
+        0.0
+    }
+
+    /// Tangential stiffness that acts as a dashpot, `k_t dt` [N/m].
+    fn one_step_stiffness(&self, _: Reduced) -> f64 {
+        0.0
+    }
+
+    /// True if the stiffness goes with the mean mass: such a law has no form yet for surfaces that
+    /// deform and for rolling friction.
+    fn is_by_mean_mass(&self) -> bool {
+        false
     }
 
     /// Weight of a contact in a region of contacts, see [`crate::contact::region_shares`]: the
@@ -115,6 +140,11 @@ pub(crate) trait ContactSpring {
     /// True if dashpots may be given by fixed coefficients.
     fn takes_coefficients(&self) -> bool {
         self.as_linear().is_some()
+    }
+
+    /// True if dashpots may be given by the restitution.
+    fn takes_restitution(&self) -> bool {
+        true
     }
 
     /// The power of the overlap to which the elastic force goes.
@@ -149,6 +179,7 @@ pub(crate) enum RegisteredSpring {
     Linear(LinearSpring),
     Hertz(HertzMindlin),
     Jkr(HertzJkr),
+    Chen(MeanMassSpring),
 }
 
 /// Asks whichever law it is; each is compiled by itself.
@@ -158,6 +189,7 @@ macro_rules! ask {
             RegisteredSpring::Linear($law) => $answer,
             RegisteredSpring::Hertz($law) => $answer,
             RegisteredSpring::Jkr($law) => $answer,
+            RegisteredSpring::Chen($law) => $answer,
         }
     };
 }
@@ -176,6 +208,17 @@ impl RegisteredSpring {
             Spring::Jkr { effective_modulus, effective_shear_modulus, work_of_adhesion } => {
                 Self::Jkr(HertzJkr { effective_modulus, effective_shear_modulus, work_of_adhesion })
             }
+            Spring::Chen { stiffness_per_mass, gap, psi, tangential } => {
+                Self::Chen(MeanMassSpring::new(stiffness_per_mass, gap, psi, tangential))
+            }
+        }
+    }
+
+    /// The law in a run with steps of a length [s].
+    pub fn in_steps(self, step: f64) -> Self {
+        match self {
+            Self::Chen(spring) => Self::Chen(spring.in_steps(step)),
+            other => other,
         }
     }
 

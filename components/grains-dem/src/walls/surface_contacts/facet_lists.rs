@@ -152,6 +152,7 @@ impl SurfaceContacts {
             reduced: Reduced {
                 root_mass: bodies.mobility[slot].root_reduced_mass(Mobility::NONE),
                 radius: bodies.balls[slot].radius,
+                mean_mass: bodies.mobility[slot].mean_mass(Mobility::NONE),
             },
             history,
         });
