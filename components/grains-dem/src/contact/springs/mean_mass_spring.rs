@@ -1,5 +1,5 @@
-//! Springs by the mean mass of a pair (Chen, Orozovic, Williams, Meng & Li, the law of a coupled
-//! particle fluid and discrete elements, 2019, Eqs. 7-19, as they write them for discs).
+//! Springs by the mean mass of a pair (Chen, Zhang, Zang & Ning, *J. Fluids Struct.* 91, 2019,
+//! 102772, Eqs. 7-19, which they write for discs).
 //!
 //! ```text
 //! f_n = k (delta + gap) + c v_n        k = m g/(theta dx)      c = 2 alpha sqrt(m k)
