@@ -80,10 +80,7 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     }
     check_polyhedra::shapes(scene, parameters, &mut problems);
     check_clumps::clumps(scene, &mut problems);
-    for (i, pair) in scene.contacts.iter().enumerate() {
-        check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
-    }
-    check_law::with_surfaces(scene, &mut problems);
+    check_law::laws(scene, &mut problems);
     check_integrator::check(scene, parameters, &mut problems);
     if problems.is_empty() {
         // These checks rely on a scene that is valid so far.

@@ -8,8 +8,16 @@ use tremie_messages::{
     scene::{ContactLaw, Damping, Scene},
 };
 
+/// Checks the laws of a scene.
+pub(crate) fn laws(scene: &Scene, problems: &mut Vec<Problem>) {
+    for (i, pair) in scene.contacts.iter().enumerate() {
+        law(&format!("scene.contacts[{i}].law"), &pair.law, problems);
+    }
+    with_surfaces(scene, problems);
+}
+
 /// Checks the numbers of a law.
-pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
+fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
     let mut not_negative = |name: &str, value: f64| {
         if !(value >= 0.0 && value.is_finite()) {
             let message = format!("is {value}, expected 0 or more");
@@ -62,7 +70,7 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
 }
 
 /// Checks that surfaces of the scene that deform are met under laws that have a form for them.
-pub(crate) fn with_surfaces(scene: &Scene, problems: &mut Vec<Problem>) {
+fn with_surfaces(scene: &Scene, problems: &mut Vec<Problem>) {
     for (i, pair) in scene.contacts.iter().enumerate() {
         let spring = RegisteredSpring::of(&pair.law.spring);
         let mut surfaces = scene.surfaces.iter();

@@ -77,6 +77,12 @@ pub(crate) struct Stepping {
     pub progress: Progress,
 }
 
+impl Stepping {
+    fn new(dt: f64, integrator: Integrator) -> Self {
+        Self { dt, integrator, window: 0, steps: 0, progress: Progress::default() }
+    }
+}
+
 /// Records of evaluations of forces, and displacements of bodies.
 pub(crate) struct StepRecord {
     /// Tally of each block of bodies at the last evaluation, and its displacement.
@@ -181,13 +187,7 @@ impl GrainsDem {
                 events,
             },
             threads: Threads { team, choice: None, found: None },
-            stepping: Stepping {
-                dt,
-                integrator: parameters.integrator,
-                window: 0,
-                steps: 0,
-                progress: Progress::default(),
-            },
+            stepping: Stepping::new(dt, parameters.integrator),
             record,
             fluid: FluidLoads { loaded: false, fluid_impulse: Vec3::zeros(), load_sums },
             survey: Survey::default(),
@@ -436,8 +436,8 @@ impl GrainsDem {
         );
     }
 
-    /// Notes how far bodies have gone, and which images they see since; true if neighbours are to be
-    /// listed anew.
+    /// Notes how far bodies have gone, and which images they see since; true if neighbours are to
+    /// be listed anew.
     pub(super) fn follow_bodies(&mut self) -> bool {
         let reach =
             self.record.reaches.iter().fold(StepDisplacement::default(), |all, &one| all.and(one));

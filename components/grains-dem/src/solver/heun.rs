@@ -6,8 +6,8 @@
 //! ```
 //!
 //! and the same for angular velocities and orientations. `X_a` is where Verlet's method goes, with
-//! `U_a` what it predicts, so that a step is one of Verlet's and what is added here: with `v_h = U +
-//! dt/2 a(X, U)`, the velocity half way,
+//! `U_a` what it predicts, so that a step is one of Verlet's and what is added here: with the
+//! velocity half way, `v_h = U + dt/2 a(X, U)`,
 //!
 //! ```text
 //! U' = v_h + dt/2 a(X_a, U_a)                    X' = X_a + dt/2 (U' - U_a)
@@ -59,8 +59,8 @@ impl GrainsDem {
     }
 }
 
-/// Gives a body its velocities at the end of a step, and returns their difference from the predicted
-/// ones.
+/// Gives a body its velocities at the end of a step, and returns their difference from the
+/// predicted ones.
 #[inline(always)]
 fn correction(body: MovedBody<'_>, half: f64) -> Twist {
     if !body.is_free {

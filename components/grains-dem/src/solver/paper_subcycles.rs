@@ -5,8 +5,8 @@
 //! U_k = U_(k-1) + dt a(X_(k-1), U_(k-1))         X_k = X_(k-1) + dt (U^n + U_k)/2
 //! ```
 //!
-//! with `U^n` the velocity at the start of the window, the step of the fluid, and a the acceleration
-//! by contacts; the same for angular velocities and orientations. Where nothing touches this is the
+//! with `U^n` the velocity at the start of the window, the step of the fluid, and `a` the
+//! acceleration by contacts; the same for angular velocities and orientations. Where nothing touches this is the
 //! trapezoidal rule over the window. Contacts see a velocity that lags behind in what moves the
 //! body, so that a rebound within a window gains energy, the more the longer the window is over the
 //! contact, which the authors' damping hides.
@@ -46,8 +46,8 @@ impl GrainsDem {
     }
 }
 
-/// Gives a body its next velocities, and returns those that move it. The first time in a window loads
-/// and weight act, over the `window` [s].
+/// Gives a body its next velocities, and returns those that move it. The first time in a window
+/// loads and weight act, over the `window` [s].
 #[inline(always)]
 fn substep(body: MovedBody<'_>, dt: f64, window: Option<f64>) -> Twist {
     if !body.is_free {

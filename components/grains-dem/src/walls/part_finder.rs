@@ -158,8 +158,8 @@ impl FoundParts {
     }
 }
 
-/// A body with a wall or a part of a mobility. Also of a slider it is the body's mass that counts as
-/// the mean one.
+/// A body with a wall or a part of a mobility. Also with a slider it is the body's mass that counts
+/// as the mean one.
 fn reduced(bodies: &Bodies, i: usize, other: Mobility) -> Reduced {
     let own = bodies.mobility[i];
     Reduced {

@@ -25,8 +25,8 @@ fn started(scene: &Scene, dt: f64, integrator: Integrator, threads: usize) -> Gr
 }
 
 /// Speed after over speed before of an undamped bounce off the floor, in windows of so many
-/// substeps, of which a part has gone by when the contact begins. As they take it, a substep is 1/75
-/// of the contact.
+/// substeps, of which a part has gone by when the contact begins. As they take it, a substep is
+/// 1/75 of the contact.
 fn bounce(integrator: Integrator, substeps: u32, phase: f64) -> f64 {
     let dt = std::f64::consts::TAU / 150.0 * (mass(D) / K).sqrt();
     let window = dt * f64::from(substeps);

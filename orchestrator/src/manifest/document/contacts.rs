@@ -53,8 +53,8 @@ pub(in super::super) struct ContactTable {
     pub tension: Option<bool>,
 }
 
-/// The law of Chen et al. (2019): the stiffness `k = m g/(theta cell)` by the mean mass m of a pair,
-/// or the mass of a body at a wall or a part, and the dashpot `2 alpha sqrt(m k)`.
+/// The law of Chen et al. (2019): the stiffness `k = m g/(theta cell)` by the mean mass m of a
+/// pair, or the mass of a body at a wall or a part, and the dashpot `2 alpha sqrt(m k)`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ChenTable {
