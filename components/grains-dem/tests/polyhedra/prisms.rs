@@ -148,7 +148,8 @@ fn only_prisms_across_the_plane_are_taken() {
         change(&mut body);
         scene.bodies = vec![solids("bar", vec![body])];
     };
-    let cases: [(&dyn Fn(&mut Scene), &str); 4] = [
+    type Change<'a> = &'a dyn Fn(&mut Scene);
+    let cases: [(Change<'_>, &str); 4] = [
         (
             &|scene| scene.shapes[0] = Shape { name: "bar".into(), ..shape("octahedron") },
             "no prism",

@@ -184,18 +184,8 @@ fn placement(
         return None;
     }
     let round = table.cylinders.as_ref().or(table.spheres.as_ref());
-    if let Some(list) = &table.prisms {
-        let others = [
-            (key, round.is_some()),
-            ("polyhedra", table.polyhedra.is_some()),
-            ("packing", table.packing.is_some()),
-        ];
-        if let Some((other, _)) = others.into_iter().find(|(_, is_there)| *is_there) {
-            let message = format!("found both prisms and {other}, expected one of them");
-            findings.problem(&path::join(at, "prisms"), message);
-            return None;
-        }
-        return polyhedra::prisms(table, list, shapes, at, findings);
+    if table.prisms.is_some() {
+        return prisms(table, shapes, at, findings);
     }
     match (round, &table.polyhedra, &table.packing) {
         (None, Some(list), None) => polyhedra::listed(table, list, shapes, at, findings),
@@ -244,6 +234,27 @@ fn placement(
             None
         }
     }
+}
+
+/// Prisms, and no other bodies beside them.
+fn prisms(
+    table: &BodiesTable,
+    shapes: &Shapes,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Placement> {
+    let others = [
+        ("spheres", table.spheres.is_some()),
+        ("cylinders", table.cylinders.is_some()),
+        ("polyhedra", table.polyhedra.is_some()),
+        ("packing", table.packing.is_some()),
+    ];
+    if let Some((other, _)) = others.into_iter().find(|(_, is_there)| *is_there) {
+        let message = format!("found both prisms and {other}, expected one of them");
+        findings.problem(&path::join(at, "prisms"), message);
+        return None;
+    }
+    polyhedra::prisms(table, table.prisms.as_deref()?, shapes, at, findings)
 }
 
 fn sphere(table: &SphereTable, at: &str, findings: &mut Findings) -> Option<Sphere> {
