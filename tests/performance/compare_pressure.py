@@ -25,6 +25,10 @@ TITLE = "## The pressure of a free surface"
 KINDS = {"classical": "PyAMG, classical", "aggregation": "PyAMG, aggregation"}
 OF_PETSC = {"gamg": "PETSc, GAMG", "boomeramg": "PETSc, BoomerAMG", "icc": "PETSc, ICC(0)"}
 SYSTEM = "/usr/bin/python3"
+ALONE = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+# Debian links none of its builds of PETSc to /usr/lib/petsc unless asked to.
+BUILDS = sorted(Path("/usr/lib/petscdir").glob("petsc3*/*-real"))
+ENVIRONMENT = {**({"PETSC_DIR": str(BUILDS[-1])} if BUILDS else {}), **os.environ, **ALONE}
 ROUNDS = 3
 BENCH = ["cargo", "bench", "-q", "-p", "tremie-fluid-pic", "--no-default-features", "--bench", "pressure", "--"]
 
@@ -42,9 +46,8 @@ def own(folder):
 
 class Peer:
     def __init__(self, python):
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         self.process = subprocess.Popen(
-            [python, HERE / "pressure_peer.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+            [python, HERE / "pressure_peer.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT
         )
 
     def solve(self, kind, folder):
@@ -64,7 +67,7 @@ def install(folder):
 def petsc():
     """The version of the system's PETSc."""
     ask = "import petsc4py; petsc4py.init(); from petsc4py import PETSc; print(*PETSc.Sys.getVersion(), sep='.')"
-    told = subprocess.run([SYSTEM, "-c", ask], capture_output=True, text=True)
+    told = subprocess.run([SYSTEM, "-c", ask], capture_output=True, text=True, env=ENVIRONMENT)
     if told.returncode != 0:
         sys.exit("PETSc is missing: apt install python3-petsc4py python3-scipy\n" + told.stderr)
     return told.stdout.strip()
