@@ -70,7 +70,6 @@ fn prisms_lie_across_the_plane() {
 #[test]
 fn problems_of_plane_scenes_are_told_at_their_keys() {
     refused("cylinders = [", "spheres = [", &["bodies[0].spheres", "cylinders or prisms"]);
-    refused("prisms = [", "polyhedra = [", &["bodies[1].polyhedra[0]", "size"]);
     refused("shape = \"barge\"\n", "", &["bodies[1].shape", "missing"]);
     refused("shape = \"barge\"", "shape = \"cube\"", &["bodies[1].shape", "no outline"]);
     refused("\"2 rad/s\", \"0 rad/s\"]", "\"2 rad/s\", \"1 rad/s\"]", &["prisms[1]", "about y"]);
