@@ -94,7 +94,15 @@ fn what_is_no_convex_solid_is_refused() {
         [r * angle.cos(), r * angle.sin(), z]
     };
     let many: Vec<_> = (0..40).map(ball).collect();
-    assert_eq!(Convex::hull(&many), Err(ConvexError::TooMany { found: 40, most: 32 }));
+    assert_eq!(Convex::hull(&many), Err(ConvexError::TooManyFaces { found: 76, most: 60 }));
+    // A prism of thirty sides is the largest; one more has two corners too many.
+    let outline = |sides: u32| -> Vec<[f64; 2]> {
+        let corner = |k: u32| (std::f64::consts::TAU * f64::from(k) / f64::from(sides)).sin_cos();
+        (0..sides).map(|k| corner(k).into()).collect()
+    };
+    assert!(Convex::prism(&outline(30), 1, 1.0).is_ok());
+    let error = Err(ConvexError::TooMany { found: 62, most: 60 });
+    assert_eq!(Convex::prism(&outline(31), 1, 1.0), error);
     // All corners of a cube, and a pyramid cut out of one side: every vertex but one is a corner.
     let cube = Convex::hull(&solid("cube").unwrap()).unwrap();
     let same = Convex::of_mesh(&cube.mesh()).unwrap();
