@@ -683,7 +683,8 @@ impl<const D: usize> PicSolver<D> {
     /// Faces in bodies that the fluid slips along have the bodies' normal velocities, as they are once
     /// the loads have acted.
     fn slip(&mut self, dt: f64, bodies: &[RigidBody<D>], loads: &[Wrench]) {
-        if self.settings.bodies_stick && self.settings.viscosity > 0.0 {
+        let sticks = self.settings.bodies_stick && self.settings.viscosity > 0.0;
+        if sticks || self.fractions.near_solids().is_empty() {
             return;
         }
         let full = self.full_mass();

@@ -33,7 +33,7 @@ impl SlipFaces {
         let reach = 2.0 * grid.spacing;
         for &(cell, number) in fractions.near_solids() {
             let (at, number) = (cell as usize, number as usize);
-            let Some(place) = number.checked_sub(fractions.at_rest.len()) else { continue };
+            let motion = &motions[number - fractions.at_rest.len()];
             let cell_at = grid.cell_at(at);
             // A body may reach beyond the box.
             if (0..D).any(|a| !(0..grid.cells[a] as isize).contains(&cell_at[a])) {
@@ -48,7 +48,6 @@ impl SlipFaces {
                 let (body, seen) = fractions.seen_by(grid, bodies, number, centre);
                 let Some((_, normal)) = body.height(seen, reach) else { continue };
                 let arm = padded::<D>(std::array::from_fn(|k| seen[k] - body.centre[k]));
-                let motion = &motions[place];
                 let turn = cross([motion[3], motion[4], motion[5]], arm);
                 let mut over = 0.0;
                 for b in 0..D {

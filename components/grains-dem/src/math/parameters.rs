@@ -47,9 +47,8 @@ pub enum Integrator {
     Heun,
     /// The subcycles as Chen et al. (2019) print them: loads and weight act at the start of the
     /// window, contacts by Euler's method, and the mean of each velocity and that at the start of
-    /// the window moves a body. A rebound within a window
-    /// gains energy, the more the more steps are in the window: it is there to reproduce theirs.
-    /// For the same bodies as Heun's.
+    /// the window moves a body. A rebound within a window gains energy, the more the more steps are
+    /// in the window: it is there to reproduce theirs. For the same bodies as Heun's.
     Chen,
 }
 

@@ -76,18 +76,13 @@ fn with_surfaces(scene: &Scene, problems: &mut Vec<Problem>) {
         let mut surfaces = scene.surfaces.iter();
         let met = surfaces.any(|surface| pair.between.contains(&surface.material));
         if met && spring.law().is_by_mean_mass() {
-            problems.push(no_form_for_surfaces(format!("scene.contacts[{i}].law.spring"), &spring));
+            let name = spring.law().name();
+            let message = format!("is {name}, which has no form for surfaces that deform");
+            let problem = Problem::new(format!("scene.contacts[{i}].law.spring"), message);
+            problems.push(problem.help(LINEAR));
         }
     }
 }
 
-/// The problem of a law that has no form for surfaces that deform.
-pub(crate) fn no_form_for_surfaces(key: String, spring: &RegisteredSpring) -> Problem {
-    let message = format!("is met under {}, which has no form for it", spring.law().name());
-    let message = if key.ends_with("spring") {
-        format!("is {}, which has no form for surfaces that deform", spring.law().name())
-    } else {
-        message
-    };
-    Problem::new(key, message).help("give the pair linear springs")
-}
+/// Remedy where surfaces that deform meet a law without a form for them.
+pub(crate) const LINEAR: &str = "give the pair linear springs";

@@ -86,7 +86,9 @@ fn meets(
     let pair = Reduced { root_mass: mass.sqrt(), radius, mean_mass: mass };
     let law = Law::new(law);
     if law.spring.law().is_by_mean_mass() {
-        problems.push(check_law::no_form_for_surfaces(key.into(), &law.spring));
+        let name = law.spring.law().name();
+        let message = format!("is met under {name}, which has no form for it");
+        problems.push(Problem::new(key, message).help(check_law::LINEAR));
         return;
     }
     if law.spring.law().neck(pair) > 0.0 {

@@ -416,11 +416,7 @@ impl GrainsDem {
 
     /// Half kicks, drift and prediction of Verlet's method.
     fn move_by_half_kicks(&mut self, finish: bool) {
-        let forces = AppliedForces {
-            contacts: self.search.contacts(),
-            loaded: self.fluid.loaded,
-            gravity: self.gravity,
-        };
+        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
         let (team, bodies) = (&mut self.threads.team, &mut self.population.bodies);
         let bounds = &self.around.bounds;
         let step = (self.stepping.dt, finish);
@@ -482,11 +478,7 @@ impl GrainsDem {
         let mut on_surfaces = Tally::default();
         search.surfaces.accept(surfaces, &scenery, &mut on_surfaces);
         self.push_sliders(surfaces);
-        let forces = AppliedForces {
-            contacts: self.search.contacts(),
-            loaded: self.fluid.loaded,
-            gravity: self.gravity,
-        };
+        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
         self.population.clumps.evaluate(&self.population.bodies, forces);
         self.record.tally = Tally::sum(&[Tally::sum(&self.record.tallies), on_surfaces, on_solids]);
         self.record.deep_overlaps += self.record.tally.deep;

@@ -21,8 +21,7 @@ use crate::bodies::deformable_surface::SurfaceState;
 use crate::contact::contact_force::Steps;
 use crate::math::error::GrainsError;
 use crate::solver::dem_solver::GrainsDem;
-use crate::solver::integrate::AppliedForces;
-use crate::solver::moved_bodies::{MovedBody, move_bodies};
+use crate::solver::moved_bodies::MovedBody;
 
 impl GrainsDem {
     /// Evaluates the forces where the step of Verlet's led, corrects the motion, and evaluates them
@@ -36,20 +35,7 @@ impl GrainsDem {
         let deep = self.record.deep_overlaps;
         self.evaluate_forces(Steps { before: dt, after: 0.0 }, surfaces)?;
         self.record.deep_overlaps = deep;
-        let forces = AppliedForces {
-            contacts: self.search.contacts(),
-            loaded: self.fluid.loaded,
-            gravity: self.gravity,
-        };
-        move_bodies(
-            &mut self.threads.team,
-            &mut self.population.bodies,
-            (&self.around.bounds, self.search.leash()),
-            forces,
-            0.5 * dt,
-            &mut self.record.reaches,
-            |body| correction(body, 0.5 * dt),
-        );
+        self.move_bodies(0.5 * dt, |body| correction(body, 0.5 * dt));
         let due = self.follow_bodies();
         if due {
             self.check_inside()?;

@@ -15,8 +15,9 @@ use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility, Twist, Wrench
 use crate::math::periodic::PeriodicBox;
 use crate::math::simd::vec4::Four;
 use crate::neighbours::size_classes::Leash;
+use crate::solver::dem_solver::FluidLoads;
 use crate::solver::force_sum::ForceSum;
-use crate::solver::neighbour_search::Contacts;
+use crate::solver::neighbour_search::{Contacts, Search};
 use tremie_team::{Cut, Team, Variant, instructions::Work};
 
 /// Forces that move bodies.
@@ -27,6 +28,13 @@ pub(crate) struct AppliedForces<'a> {
     pub loaded: bool,
     /// Acceleration of weight [m/s²].
     pub gravity: Vec3,
+}
+
+impl<'a> AppliedForces<'a> {
+    /// Contacts as they were last evaluated, loads of the fluid, weight.
+    pub fn of(search: &'a Search, fluid: &FluidLoads, gravity: Vec3) -> Self {
+        Self { contacts: search.contacts(), loaded: fluid.loaded, gravity }
+    }
 }
 
 /// Displacement of bodies in a step.
@@ -71,6 +79,52 @@ pub(super) fn acceleration(
         torque += load.torque;
     }
     Twist { v: force * mobility.inverse_mass + gravity, w: torque * mobility.inverse_inertia }
+}
+
+/// Displacement of the bodies of a block, which move one by one.
+#[derive(Default)]
+pub(super) struct BlockDisplacement {
+    farthest: f64,
+    crossed: bool,
+}
+
+impl BlockDisplacement {
+    /// Moves a body for a time [s] at a velocity, and turns it.
+    #[inline(always)]
+    pub fn go_on(
+        &mut self,
+        (ball, orientation): (&mut BoundingSphere, &mut [f64; 4]),
+        (reference, crossed): (&mut Vec3, &mut i32),
+        (mean, duration): (Twist, f64),
+        bounds: &PeriodicBox,
+    ) {
+        let mut x = ball.x + mean.v * duration;
+        if let Some((inside, shift, code)) = bounds.cross(x) {
+            x = inside;
+            *reference += shift;
+            *crossed += code;
+            self.crossed |= code != 0;
+        }
+        ball.x = x;
+        let square = (x - *reference).norm_squared();
+        if square > self.farthest || square.is_nan() {
+            self.farthest = square;
+        }
+        *orientation = turned(*orientation, mean.w * (0.5 * duration));
+    }
+
+    /// What is to be known of the block, whose first body is `first`, once all have moved.
+    #[inline(always)]
+    pub fn end(
+        self,
+        first: usize,
+        (balls, reference): (&[BoundingSphere], &[Vec3]),
+        leash: Leash<'_>,
+    ) -> StepDisplacement {
+        let squares = balls.iter().zip(reference).map(|(ball, x)| (ball.x - x).norm_squared());
+        let due = leash.is_due(self.farthest, first, squares);
+        StepDisplacement { farthest: self.farthest, crossed: self.crossed, due }
+    }
 }
 
 impl Twist {
@@ -142,7 +196,7 @@ impl Work for FirstHalf<'_> {
         let (first, half) = (b * BLOCK, 0.5 * dt);
         let own = first..first + balls.len();
         let mut collector = ForceSum::new(forces.contacts, b, own).with(variant);
-        let (mut farthest, mut any_crossed) = (0.0, false);
+        let mut displacement = BlockDisplacement::default();
         // Slices of equal length spare the loop its bounds checks.
         let n = balls.len();
         let (twists, predicted) = (&mut twists[..n], &mut predicted[..n]);
@@ -160,23 +214,14 @@ impl Work for FirstHalf<'_> {
             twists[i] = twist;
             predicted[i] = twist;
             predicted[i].kick(&a, half);
-            let mut x = balls[i].x + twist.v * dt;
-            if let Some((inside, shift, code)) = bounds.cross(x) {
-                x = inside;
-                reference[i] += shift;
-                crossed[i] += code;
-                any_crossed |= code != 0;
-            }
-            balls[i].x = x;
-            let square = (x - reference[i]).norm_squared();
-            if square > farthest || square.is_nan() {
-                farthest = square;
-            }
-            orientation[i] = turned(orientation[i], twist.w * half);
+            displacement.go_on(
+                (&mut balls[i], &mut orientation[i]),
+                (&mut reference[i], &mut crossed[i]),
+                (twist, dt),
+                bounds,
+            );
         }
-        let squares = balls.iter().zip(&*reference).map(|(ball, x)| (ball.x - x).norm_squared());
-        let due = leash.is_due(farthest, first, squares);
-        reach[0] = StepDisplacement { farthest, crossed: any_crossed, due };
+        reach[0] = displacement.end(first, (balls, reference), leash);
     }
 }
 

@@ -2,12 +2,11 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
-use crate::bodies::body_arrays::{Bodies, BoundingSphere, Twist, Wrench};
-use crate::math::periodic::PeriodicBox;
-use crate::neighbours::size_classes::Leash;
+use crate::bodies::body_arrays::{Twist, Wrench};
+use crate::solver::dem_solver::GrainsDem;
 use crate::solver::force_sum::ForceSum;
-use crate::solver::integrate::{AppliedForces, StepDisplacement, acceleration, turned};
-use tremie_team::{Cut, Team};
+use crate::solver::integrate::{AppliedForces, BlockDisplacement, acceleration};
+use tremie_team::Cut;
 
 /// State of a body, as a rule changes it.
 pub(super) struct MovedBody<'a> {
@@ -23,62 +22,53 @@ pub(super) struct MovedBody<'a> {
     pub predicted: &'a mut Twist,
 }
 
-/// Moves all bodies: `rule` changes the velocities of one and returns those with which it goes on
-/// for a time `duration` [s]. `reaches` has one entry for each block of bodies.
-pub(super) fn move_bodies(
-    team: &mut Team,
-    bodies: &mut Bodies,
-    (bounds, leash): (&PeriodicBox, Leash<'_>),
-    forces: AppliedForces<'_>,
-    duration: f64,
-    reaches: &mut [StepDisplacement],
-    rule: impl Fn(MovedBody<'_>) -> Twist + Sync,
-) {
-    let pieces = (
-        Cut::every(&mut bodies.balls, BLOCK),
-        Cut::every(&mut bodies.twists, BLOCK),
-        Cut::every(&mut bodies.predicted, BLOCK),
-        Cut::every(&mut bodies.orientation, BLOCK),
-        Cut::every(&mut bodies.reference, BLOCK),
-        Cut::every(&mut bodies.crossed, BLOCK),
-        Cut::every(reaches, 1),
-    );
-    let (load, mobility) = (&bodies.load, &bodies.mobility);
-    team.for_pieces(
-        pieces,
-        |b, (balls, twists, predicted, orientation, reference, crossed, reach)| {
-            let first = b * BLOCK;
-            let mut collector = ForceSum::new(forces.contacts, b, first..first + balls.len());
-            let (mut farthest, mut any_crossed) = (0.0, false);
-            for i in 0..balls.len() {
-                let contact = collector.on(first + i, balls[i].radius);
-                let load = forces.loaded.then_some(&load[first + i]);
-                let mobility = mobility[first + i];
-                let mean = rule(MovedBody {
-                    by_contacts: acceleration(contact, None, mobility, Vec3::zeros()),
-                    applied: acceleration(Wrench::zero(), load, mobility, forces.gravity),
-                    is_free: mobility.is_free(),
-                    twist: &mut twists[i],
-                    predicted: &mut predicted[i],
-                });
-                let mut x = balls[i].x + mean.v * duration;
-                if let Some((inside, shift, code)) = bounds.cross(x) {
-                    x = inside;
-                    reference[i] += shift;
-                    crossed[i] += code;
-                    any_crossed |= code != 0;
+impl GrainsDem {
+    /// Moves all bodies: `rule` changes the velocities of one and returns those with which it goes
+    /// on for a time `duration` [s].
+    pub(super) fn move_bodies(
+        &mut self,
+        duration: f64,
+        rule: impl Fn(MovedBody<'_>) -> Twist + Sync,
+    ) {
+        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
+        let (bounds, leash) = (&self.around.bounds, self.search.leash());
+        let (bodies, reaches) = (&mut self.population.bodies, &mut self.record.reaches[..]);
+        let pieces = (
+            Cut::every(&mut bodies.balls, BLOCK),
+            Cut::every(&mut bodies.twists, BLOCK),
+            Cut::every(&mut bodies.predicted, BLOCK),
+            Cut::every(&mut bodies.orientation, BLOCK),
+            Cut::every(&mut bodies.reference, BLOCK),
+            Cut::every(&mut bodies.crossed, BLOCK),
+            Cut::every(reaches, 1),
+        );
+        let (load, mobility) = (&bodies.load, &bodies.mobility);
+        self.threads.team.for_pieces(
+            pieces,
+            |b, (balls, twists, predicted, orientation, reference, crossed, reach)| {
+                let first = b * BLOCK;
+                let mut collector = ForceSum::new(forces.contacts, b, first..first + balls.len());
+                let mut displacement = BlockDisplacement::default();
+                for i in 0..balls.len() {
+                    let contact = collector.on(first + i, balls[i].radius);
+                    let load = forces.loaded.then_some(&load[first + i]);
+                    let mobility = mobility[first + i];
+                    let mean = rule(MovedBody {
+                        by_contacts: acceleration(contact, None, mobility, Vec3::zeros()),
+                        applied: acceleration(Wrench::zero(), load, mobility, forces.gravity),
+                        is_free: mobility.is_free(),
+                        twist: &mut twists[i],
+                        predicted: &mut predicted[i],
+                    });
+                    displacement.go_on(
+                        (&mut balls[i], &mut orientation[i]),
+                        (&mut reference[i], &mut crossed[i]),
+                        (mean, duration),
+                        bounds,
+                    );
                 }
-                balls[i].x = x;
-                let square = (x - reference[i]).norm_squared();
-                if square > farthest || square.is_nan() {
-                    farthest = square;
-                }
-                orientation[i] = turned(orientation[i], mean.w * (0.5 * duration));
-            }
-            let place = |(ball, from): (&BoundingSphere, &Vec3)| (ball.x - from).norm_squared();
-            let squares = balls.iter().zip(&*reference).map(place);
-            let due = leash.is_due(farthest, first, squares);
-            reach[0] = StepDisplacement { farthest, crossed: any_crossed, due };
-        },
-    );
+                reach[0] = displacement.end(first, (balls, reference), leash);
+            },
+        );
+    }
 }

@@ -15,28 +15,14 @@
 
 use crate::bodies::body_arrays::Twist;
 use crate::solver::dem_solver::GrainsDem;
-use crate::solver::integrate::AppliedForces;
-use crate::solver::moved_bodies::{MovedBody, move_bodies};
+use crate::solver::moved_bodies::MovedBody;
 
 impl GrainsDem {
     /// Moves the bodies through a substep, that which begins a window if it is the `first`.
     pub(super) fn move_in_window(&mut self, first: bool) {
         let dt = self.stepping.dt;
         let window = first.then(|| f64::from(self.stepping.window) * dt);
-        let forces = AppliedForces {
-            contacts: self.search.contacts(),
-            loaded: self.fluid.loaded,
-            gravity: self.gravity,
-        };
-        move_bodies(
-            &mut self.threads.team,
-            &mut self.population.bodies,
-            (&self.around.bounds, self.search.leash()),
-            forces,
-            dt,
-            &mut self.record.reaches,
-            |body| substep(body, dt, window),
-        );
+        self.move_bodies(dt, |body| substep(body, dt, window));
     }
 
     /// Ends a window: the velocities are the last ones.

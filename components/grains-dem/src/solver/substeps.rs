@@ -170,11 +170,7 @@ impl GrainsDem {
 
     /// The half kick that ends a window under Verlet's method.
     fn finish_half_kicks(&mut self) {
-        let forces = AppliedForces {
-            contacts: self.search.contacts(),
-            loaded: self.fluid.loaded,
-            gravity: self.gravity,
-        };
+        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
         integrate::second_half(
             &mut self.threads.team,
             &mut self.population.bodies,

@@ -2,6 +2,7 @@
 
 use crate::common::solids::*;
 use crate::common::*;
+use crate::order::is_second_order_across;
 use tremie_grains_dem::{GrainsDem, Integrator, Parameters};
 use tremie_messages::{
     body::{BodyState, Load},
@@ -115,36 +116,9 @@ fn heun_is_second_order_along_the_normal() {
     }
 }
 
-/// Positions and spins (times the diameter) of a sphere that sticks to the floor and swings in its
-/// tangential spring.
-fn swing(steps: u32) -> Vec<[f64; 2]> {
-    let sticky = ContactLaw { friction: 1e3, ..law(K, 0.0, Damping::Restitution(0.8)) };
-    let mut scene = scene([4e-3; 3], FLOOR, sticky);
-    scene.gravity = [0.3, 0.0, -G];
-    let start = [2e-3, 2e-3, 0.5 * D - mass(D) * G / K];
-    let mut pushed = sphere(start, D, [0.0; 3]);
-    pushed.angular_velocity = [0.0, 0.5, 0.0];
-    scene.bodies = vec![set(Motion::Free, vec![pushed])];
-    let mut dem = started(&scene, 2e-5 / f64::from(steps), Integrator::Heun, 1);
-    let sample = |_| {
-        dem.advance(steps, &[]).unwrap();
-        let now = state(&dem)[0];
-        [now.position[0], now.angular_velocity[1] * D]
-    };
-    (0..20).map(sample).collect()
-}
-
 #[test]
 fn heun_is_second_order_across_the_normal() {
-    let [a, b, c] = [4, 8, 16].map(swing);
-    for q in 0..2 {
-        let distance = |a: &[[f64; 2]], b: &[[f64; 2]]| {
-            a.iter().zip(b).map(|(a, b)| (a[q] - b[q]).powi(2)).sum::<f64>().sqrt()
-        };
-        let order = (distance(&a, &b) / distance(&b, &c)).log2();
-        println!("quantity {q}: order {order}");
-        assert!((1.8..2.3).contains(&order), "{order}");
-    }
+    is_second_order_across(Integrator::Heun);
 }
 
 /// Acceleration along an incline of a sphere that a torque keeps from rolling: a block.

@@ -114,27 +114,19 @@ fn prism(
         return None;
     };
     let corners: Vec<[f64; 2]> = outline.iter().map(|corner| corner.map(|x| x.0)).collect();
-    match Convex::prism(&corners, across, depth) {
-        Ok(convex) => Some(convex),
+    let message = match Convex::prism(&corners, across, depth) {
+        Ok(convex) => return Some(convex),
         Err(ConvexError::TooMany { found, most }) => {
-            let (found, most) = (found / 2, most / 2);
-            let message = format!("found {found} corners, expected at most {most}");
-            findings.problem(&key, message);
-            None
+            format!("found {} corners, expected at most {}", found / 2, most / 2)
         }
-        Err(ConvexError::Flat { .. }) => {
-            let points = outline.len();
-            let message = format!(
-                "its {points} corners enclose no area: expected three or more that do not lie in one line"
-            );
-            findings.problem(&key, message);
-            None
-        }
-        Err(error) => {
-            findings.problem(&key, format!("makes no shape: {error}"));
-            None
-        }
-    }
+        Err(ConvexError::Flat { .. }) => format!(
+            "its {} corners enclose no area: expected three or more that do not lie in one line",
+            outline.len()
+        ),
+        Err(error) => format!("makes no shape: {error}"),
+    };
+    findings.problem(&key, message);
+    None
 }
 
 fn convex(table: &ShapeTable, at: &str, findings: &mut Findings) -> Option<Convex> {
@@ -183,11 +175,15 @@ pub(super) fn listed(
     let name = findings.required(&table.shape, at, "shape")?;
     let convex = shapes.find(&name, at, findings)?;
     let at = path::join(at, "polyhedra");
-    let bodies: Vec<_> = (list.iter().enumerate())
-        .map(|(i, table)| polyhedron(table, convex, &path::item(&at, i), findings))
-        .collect();
-    let listed = bodies.into_iter().collect::<Option<_>>()?;
-    Some(of_shape(name, PolyhedronPlacement::Listed(listed)))
+    let of = |(i, table)| polyhedron(table, convex, &path::item(&at, i), findings);
+    listed_as(name, list.iter().enumerate().map(of))
+}
+
+/// Listed bodies of a shape, if all are right: each is looked at, so that each problem is told.
+fn listed_as(shape: String, bodies: impl Iterator<Item = Option<Polyhedron>>) -> Option<Placement> {
+    let all: Vec<Option<Polyhedron>> = bodies.collect();
+    let listed = all.into_iter().collect::<Option<_>>()?;
+    Some(of_shape(shape, PolyhedronPlacement::Listed(listed)))
 }
 
 /// The prisms of a set.
@@ -210,8 +206,8 @@ pub(super) fn prisms(
     let diameter = libm::cbrt(6.0 / PI * convex.moments().volume);
     let across = shapes.across?;
     let at = path::join(at, "prisms");
-    let prism = |table: &PrismTable, at: &str, findings: &mut Findings| {
-        let position = findings.required(&table.position, at, "position")?;
+    let prism = |(i, table): (usize, &PrismTable)| {
+        let position = findings.required(&table.position, &path::item(&at, i), "position")?;
         let (sine, cosine) = libm::sincos(0.5 * table.turn?.0);
         let mut orientation = [0.0, 0.0, 0.0, cosine];
         orientation[across] = sine;
@@ -223,11 +219,7 @@ pub(super) fn prisms(
             angular_velocity: table.angular_velocity?.map(|w| w.0),
         })
     };
-    let bodies: Vec<_> = (list.iter().enumerate())
-        .map(|(i, table)| prism(table, &path::item(&at, i), findings))
-        .collect();
-    let listed = bodies.into_iter().collect::<Option<_>>()?;
-    Some(of_shape(name, PolyhedronPlacement::Listed(listed)))
+    listed_as(name, list.iter().enumerate().map(prism))
 }
 
 /// A packing of polyhedra.

@@ -86,10 +86,6 @@ impl ContactSpring for MeanMassSpring {
     }
 
     #[inline(always)]
-    fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
-        (2.0 * self.normal_energy(overlap, pair)).sqrt()
-    }
-
     fn gap(&self) -> f64 {
         self.gap
     }

@@ -102,6 +102,7 @@ pub(crate) trait ContactSpring {
     }
 
     /// Gap of the surfaces at which contact begins, whether they touched before or not [m].
+    #[inline(always)]
     fn gap(&self) -> f64 {
         0.0
     }
@@ -121,7 +122,8 @@ pub(crate) trait ContactSpring {
     /// square root of twice its energy, nothing where it does not touch.
     #[inline(always)]
     fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
-        (2.0 * self.normal_energy(overlap.max(0.0), pair)).sqrt()
+        // Written so that without a gap the least overlap is 0 and not -0.
+        (2.0 * self.normal_energy(overlap.max(0.0 - self.gap()), pair)).sqrt()
     }
 
     /// The law as a linear spring, if it is one: of others there is no form side by side in
