@@ -45,6 +45,8 @@ struct AtRest<const D: usize> {
     holder: [Vec<u32>; D],
     is_near: Vec<bool>,
     near: Vec<(u32, u32)>,
+    /// Faces that are walls of the box.
+    is_wall: [Vec<bool>; D],
 }
 
 /// Open parts of faces and cells, and the flux that moving walls push into the fluid.
@@ -94,14 +96,18 @@ impl<const D: usize> OpenFractions<D> {
             std::array::from_fn(|a| [0, 1].map(|side| !(grid.periodic[a] || is_open(a, side))));
         let mut open: [Vec<f64>; D] = std::array::from_fn(|_| vec![0.0; grid.stored]);
         let mut volume = vec![0.0; grid.stored];
+        let mut is_wall: [Vec<bool>; D] = std::array::from_fn(|_| vec![false; grid.stored]);
         for at in grid.all() {
             let place = grid.place(at);
             volume[place] = 1.0;
             for a in 0..D {
                 let is_highest = at[a] + 1 == grid.cells[a] as isize;
-                open[a][place] = if at[a] == 0 && is_closed[a][0] { 0.0 } else { 1.0 };
+                is_wall[a][place] = at[a] == 0 && is_closed[a][0];
+                open[a][place] = if is_wall[a][place] { 0.0 } else { 1.0 };
                 if is_highest {
-                    open[a][place + grid.stride[a]] = if is_closed[a][1] { 0.0 } else { 1.0 };
+                    let beyond = place + grid.stride[a];
+                    is_wall[a][beyond] = is_closed[a][1];
+                    open[a][beyond] = if is_closed[a][1] { 0.0 } else { 1.0 };
                 }
             }
         }
@@ -112,6 +118,7 @@ impl<const D: usize> OpenFractions<D> {
             holder: none.clone(),
             is_near: vec![false; grid.stored],
             near: Vec::new(),
+            is_wall,
         };
         let mut own = Self {
             open,
@@ -139,13 +146,11 @@ impl<const D: usize> OpenFractions<D> {
         own.near.sort_unstable();
         own.near.dedup();
         own.fill_ghosts(grid);
-        own.rest = AtRest {
-            open: own.open.clone(),
-            volume: own.volume.clone(),
-            holder: own.holder.clone(),
-            is_near: own.is_near.clone(),
-            near: std::mem::take(&mut own.near),
-        };
+        own.rest.open.clone_from(&own.open);
+        own.rest.volume.clone_from(&own.volume);
+        own.rest.holder.clone_from(&own.holder);
+        own.rest.is_near.clone_from(&own.is_near);
+        own.rest.near = std::mem::take(&mut own.near);
         own.touched.clear();
         own.walls_at_rest = own.on_walls.len();
         own.at_rest = solids;
@@ -215,6 +220,11 @@ impl<const D: usize> OpenFractions<D> {
         &self.near
     }
 
+    /// Pairs of a cell and the number of a solid at rest near it, by cell.
+    pub fn near_rest(&self) -> &[(u32, u32)] {
+        &self.rest.near
+    }
+
     /// A solid by its number.
     #[inline]
     pub fn solid<'a>(&'a self, bodies: &'a [RigidBody<D>], number: usize) -> &'a RigidBody<D> {
@@ -245,9 +255,16 @@ impl<const D: usize> OpenFractions<D> {
         self.rest.volume[place] > 0.0
     }
 
-    /// True if the face between a cell and the one `below` it across an axis is a wall at rest.
+    /// True if the lower face of a cell, across an axis, is a wall of the box.
     #[inline]
-    pub fn is_wall(&self, axis: usize, place: usize, below: usize) -> bool {
+    pub fn is_wall(&self, axis: usize, place: usize) -> bool {
+        self.rest.is_wall[axis][place]
+    }
+
+    /// True if a wall of the box, or a solid at rest, closes the face between a cell and the one
+    /// `below` it across an axis.
+    #[inline]
+    pub fn is_shut(&self, axis: usize, place: usize, below: usize) -> bool {
         self.rest.open[axis][place] == 0.0 && (self.is_cell(place) || self.is_cell(below))
     }
 

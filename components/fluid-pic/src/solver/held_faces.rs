@@ -26,6 +26,10 @@ pub(super) fn hold<const D: usize>(
                 let centre = grid.face_centre(axis, grid.cell_at(at));
                 let (body, centre) = fractions.seen_by(grid, bodies, holder as usize, centre);
                 velocity[at] = body.velocity_at(centre)[axis];
+            } else if at >= grid.stride[axis] && fractions.is_shut(axis, at, at - grid.stride[axis])
+            {
+                // A wall thinner than a cell holds no face's centre.
+                velocity[at] = 0.0;
             }
         }
     }

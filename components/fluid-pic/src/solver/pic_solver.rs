@@ -89,7 +89,7 @@ pub struct PicSolver<const D: usize> {
     correction: VolumeCorrection<D>,
     separation: Separation,
     gap_bands: GapBands<D>,
-    slip_faces: SlipFaces,
+    slip_faces: SlipFaces<D>,
     /// Motions of the bodies at the end of the step.
     motions: Vec<Wrench>,
     pub(super) open_faces: OpenFaces<D>,
@@ -126,6 +126,7 @@ impl<const D: usize> PicSolver<D> {
         let is_open =
             |axis, side| open_faces.iter().any(|face| (face.axis, face.side) == (axis, side));
         let fractions = OpenFractions::new(&grid, is_open, at_rest);
+        let slip_faces = SlipFaces::new(&grid, &fractions);
         Ok(Self {
             team: Team::new("fluid-pic", threads)?,
             variant: Variant::widest(),
@@ -155,7 +156,7 @@ impl<const D: usize> PicSolver<D> {
             correction: VolumeCorrection::new(&grid),
             separation: Separation::default(),
             gap_bands: GapBands::default(),
-            slip_faces: SlipFaces::default(),
+            slip_faces,
             motions: Vec::new(),
             has_surface: false,
             has_room: false,
@@ -680,11 +681,11 @@ impl<const D: usize> PicSolver<D> {
         open_faces.follow(dt, grid, velocity, is_wet);
     }
 
-    /// Faces in bodies that the fluid slips along have the bodies' normal velocities, as they are once
+    /// Faces in solids that the fluid slips along have the solids' normal velocities, as they are once
     /// the loads have acted.
     fn slip(&mut self, dt: f64, bodies: &[RigidBody<D>], loads: &[Wrench]) {
         let sticks = self.settings.bodies_stick && self.settings.viscosity > 0.0;
-        if sticks || self.fractions.near_solids().is_empty() {
+        if sticks || self.slip_faces.is_empty(&self.fractions) {
             return;
         }
         let full = self.full_mass();

@@ -54,7 +54,7 @@ impl<const D: usize> PressureGradient<'_, D> {
                 continue;
             }
             let below = at - stride;
-            if fractions.is_wall(axis, at, below) {
+            if fractions.is_wall(axis, at) {
                 velocity[at] = 0.0;
                 state[at] = FaceState::Wall;
                 continue;

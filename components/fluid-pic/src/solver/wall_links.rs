@@ -101,10 +101,10 @@ pub fn wall_link<const D: usize>(
     }
     let wall = (b as u8, side as u8);
     if b == axis {
-        // Where the neighbour is a face of a wall, nothing passes.
+        // Where the neighbour is shut, nothing passes.
         let upper = if side == 0 { other } else { at + grid.stride[b] };
-        let is_wall = fractions.is_wall(axis, upper, upper - grid.stride[axis]);
-        return is_wall.then_some(WallLink { weight: number, ..at_box(face, wall, 0.0) });
+        let is_shut = fractions.is_shut(axis, upper, upper - grid.stride[axis]);
+        return is_shut.then_some(WallLink { weight: number, ..at_box(face, wall, 0.0) });
     }
     let is_beyond = [cell[b] == 0, cell[b] + 1 == grid.cells[b] as isize][side];
     match walls[b][side] {

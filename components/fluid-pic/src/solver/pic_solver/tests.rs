@@ -400,3 +400,55 @@ fn a_released_cube_moves_with_its_added_mass() {
     let torque = (3..6).map(|k| loads[0][k].abs()).fold(0.0, f64::max);
     assert!(torque < 0.05 / 64.0 * loads[0][2], "{:?}", loads[0]);
 }
+
+/// Water without viscosity slides down a slope as a block without friction does: the slope presses
+/// on it along its normal alone.
+#[test]
+fn water_slides_down_a_slope_without_friction() {
+    use crate::solids::half_spaces::HalfSpaces;
+    use crate::solids::rigid_body::BodyShape;
+    use crate::solids::section::Section;
+    let plane = Section::<2> { axes: [0, 1], through: [0.0; 3] };
+    for degrees in [15.0_f64, 30.0, 45.0] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let top = [0.4, 1.5];
+        // Along the slope, and out of it.
+        let place = |x: [f64; 2]| {
+            let arm = [x[0] - top[0], x[1] - top[1]];
+            [arm[0] * cosine - arm[1] * sine, arm[0] * sine + arm[1] * cosine]
+        };
+        let slope = RigidBody::at(
+            [1.0, 0.5],
+            BodyShape::Convex {
+                solid: Box::new(HalfSpaces::beyond(
+                    [top[0], top[1], 0.0],
+                    [sine, cosine, 0.0],
+                    &plane,
+                )),
+                reach: 4.0,
+                width: 8.0,
+                volume: 1.0,
+            },
+        );
+        let grid = StaggeredGrid::new([100, 100], 0.02, [0.0; 2], [false; 2]);
+        let settings = PicSettings::water([0.0, -9.81]);
+        let mut solver = PicSolver::new(grid, settings, 1, Vec::new(), vec![slope]).unwrap();
+        let is_wet = |x: [f64; 2]| {
+            let [along, out] = place(x);
+            (0.1..0.9).contains(&along) && out > 0.0 && out < 0.16
+        };
+        seed(&solver.grid, &mut solver.particles, 2, 0.0, 1, is_wet, |_| [0.0; 2]);
+        let (dt, steps) = (1e-3, 200);
+        let mut loads = Vec::new();
+        for _ in 0..steps {
+            solver.step(dt, &[], &mut loads);
+        }
+        let count = solver.particles.len() as f64;
+        let mean: [f64; 2] =
+            std::array::from_fn(|a| solver.particles.velocity[a].iter().sum::<f64>() / count);
+        let along = mean[0] * cosine - mean[1] * sine;
+        let free = 9.81 * sine * dt * f64::from(steps);
+        eprintln!("{degrees}: {along} {free} {}", along / free);
+        assert!((along / free - 1.0).abs() < 0.02, "{degrees}: {along}, {free}");
+    }
+}
