@@ -4,6 +4,7 @@ use crate::registry::{OnArguments, OnRun, PackageCommand, READERS, SCENES, TOOLS
 use crate::tools::conform::ConformArgs;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ops::RangeInclusive;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};
@@ -217,6 +218,9 @@ pub struct ValidateArgs {
     /// File of the report on all cases
     #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
     pub report: PathBuf,
+    /// Cases at a time, each on its share of the cores; wall times mean less then
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub jobs: NonZeroUsize,
 }
 
 /// Arguments of `tremie bench`.
