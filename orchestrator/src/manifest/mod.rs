@@ -153,7 +153,7 @@ impl Manifest {
         let key = names
             .iter()
             .fold(key.to_string(), |key, (of_scene, own)| key.replacen(of_scene, own, 1));
-        let words = ["packing", "spheres", "cylinders", "polyhedra"];
+        let words = ["packing", "spheres", "cylinders", "polyhedra", "lattice"];
         let either = words.map(|word| key.replacen("placement", word, 1));
         // What is listed may be cylinders.
         let listed = [key.replacen(".spheres", ".cylinders", 1)];

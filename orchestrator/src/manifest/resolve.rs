@@ -1,9 +1,9 @@
 //! Defaults filled in, and the manifest written out again as it was understood.
 
 use super::document::{
-    AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName, InletTable,
-    MaterialTable, MotionCourseEntry, MotionName, PartMotionEntry, PartMotionTable, PartTable,
-    SurfaceTable,
+    Arrangement, AxisEntry, AxisName, BodiesTable, ComponentEntry, Document, DomainTable,
+    FaceEntry, FaceName, InletTable, MaterialTable, MotionCourseEntry, MotionName, PartMotionEntry,
+    PartMotionTable, PartTable, SurfaceTable,
 };
 use super::spec::is_lossless_by_default;
 use super::{Manifest, spec};
@@ -141,6 +141,7 @@ impl Document {
         for law in &mut scene.contacts {
             law.hertz.get_or_insert(false);
             law.friction.get_or_insert(if law.chen.is_some() { 0.3 } else { 0.0 });
+            law.friction_history.get_or_insert(true);
             law.rolling_friction.get_or_insert(0.0);
             law.tension.get_or_insert(law.chen.is_some());
             if let Some(chen) = &mut law.chen {
@@ -226,6 +227,10 @@ fn fill_bodies(
         body.velocity.get_or_insert([Velocity(0.0); 3]);
         body.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
         body.turn.get_or_insert(Angle(0.0));
+    }
+    if let Some(lattice) = &mut set.lattice {
+        lattice.arrangement.get_or_insert(Arrangement::Hexagonal);
+        lattice.normal.get_or_insert(AxisName::Z);
     }
     if let (Some(packing), Some(seed)) = (&mut set.packing, seed) {
         packing.seed.get_or_insert(seed);

@@ -5,6 +5,7 @@ use tremie_messages::scene::{Damping, Diameters, Face, Motion, Placement};
 mod contacts;
 mod faces;
 mod inlets;
+mod lattice;
 mod parts;
 mod planes;
 mod polyhedra;

@@ -3,8 +3,8 @@
 use crate::registry::{OnArguments, OnRun, PackageCommand, READERS, SCENES, TOOLS};
 use crate::tools::conform::ConformArgs;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use std::ops::RangeInclusive;
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};

@@ -61,7 +61,7 @@ fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
         let help = if restitution { "give the restitution" } else { "give the ratio" };
         problems.push(Problem::new(format!("{key}.damping"), message).help(help));
     }
-    if spring.law().is_by_mean_mass() && law.rolling_friction > 0.0 {
+    if spring.law().is_for_rigid_spheres() && law.rolling_friction > 0.0 {
         let found = law.rolling_friction;
         let message = format!("is {found}, but {name} has no form with rolling friction");
         let help = "make it 0, or give the pair another law";
@@ -75,7 +75,7 @@ fn with_surfaces(scene: &Scene, problems: &mut Vec<Problem>) {
         let spring = RegisteredSpring::of(&pair.law.spring);
         let mut surfaces = scene.surfaces.iter();
         let met = surfaces.any(|surface| pair.between.contains(&surface.material));
-        if met && spring.law().is_by_mean_mass() {
+        if met && spring.law().is_for_rigid_spheres() {
             let name = spring.law().name();
             let message = format!("is {name}, which has no form for surfaces that deform");
             let problem = Problem::new(format!("scene.contacts[{i}].law.spring"), message);

@@ -85,7 +85,7 @@ fn meets(
     let speed = slowest(scene);
     let pair = Reduced { root_mass: mass.sqrt(), radius, mean_mass: mass };
     let law = Law::new(law);
-    if law.spring.law().is_by_mean_mass() {
+    if law.spring.law().is_for_rigid_spheres() {
         let name = law.spring.law().name();
         let message = format!("is met under {name}, which has no form for it");
         problems.push(Problem::new(key, message).help(check_law::LINEAR));

@@ -8,6 +8,7 @@ mod hertz;
 mod incline;
 mod jkr;
 mod lubrication;
+mod no_history;
 mod restitution;
 mod rolling;
 mod spinning_drop;

@@ -32,7 +32,7 @@ pub struct ContactLaw {
 
 /// Springs of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub enum Spring {
     /// Linear.
     Linear {
@@ -40,6 +40,12 @@ pub enum Spring {
         normal_stiffness: f64,
         /// Tangential stiffness [N/m].
         tangential_stiffness: f64,
+    },
+    /// A linear one along the normal, and Coulomb's friction without history across it: it opposes
+    /// sliding with the full `friction F_n`, as far as a time step bears it.
+    LinearNoHistory {
+        /// Normal stiffness [N/m].
+        normal_stiffness: f64,
     },
     /// Hertz's normal force, `F_n = 4/3 E* sqrt(R*) delta^(3/2)`, and Mindlin's tangential
     /// stiffness without slip, `k_t = 8 G* sqrt(R* delta)`. The bodies have the reduced radius `R*`

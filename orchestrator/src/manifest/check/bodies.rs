@@ -1,10 +1,11 @@
 //! Checks of `[[scene.bodies]]`, set by set.
 
-use super::super::document::{BodiesTable, ClumpMass, PackingTable, SphereTable};
+use super::super::document::{BodiesTable, ClumpMass, LatticeTable, PackingTable, SphereTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::course::motion;
 use super::diameters::diameters;
+use super::lattice;
 use super::point;
 use super::polyhedra::{self, Shapes};
 use std::collections::BTreeSet;
@@ -109,7 +110,7 @@ pub(super) fn followed(tables: &[BodiesTable], findings: &mut Findings) -> Optio
         if table.clump.is_none() && count > MOST_FOLLOWED {
             let key = path::join(&path::item("scene.bodies", i), "follow");
             let found =
-                if count == usize::MAX { "a packing".into() } else { format!("{count} bodies") };
+                if count == usize::MAX { "no list".into() } else { format!("{count} bodies") };
             let message = format!(
                 "found {found}, but only sets that list {MOST_FOLLOWED} bodies at most can be followed one by one"
             );
@@ -187,6 +188,9 @@ fn placement(
     if table.prisms.is_some() {
         return prisms(table, shapes, at, findings);
     }
+    if let Some(lattice) = &table.lattice {
+        return on_lattice(table, lattice, at, findings);
+    }
     match (round, &table.polyhedra, &table.packing) {
         (None, Some(list), None) => polyhedra::listed(table, list, shapes, at, findings),
         (Some(_), None, None) if table.shape.is_some() => {
@@ -210,10 +214,9 @@ fn placement(
             }
         }
         (None, None, None) => {
-            let keys = ["spheres", "cylinders", "polyhedra", "prisms", "packing"];
+            let keys = ["spheres", "cylinders", "polyhedra", "prisms", "lattice", "packing"];
             if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
-                let message =
-                    "missing: where the bodies are, as \"spheres\", \"polyhedra\" or \"packing\"";
+                let message = "missing: where the bodies are, as \"spheres\", \"polyhedra\", \"lattice\" or \"packing\"";
                 findings.problem(at, message);
             }
             None
@@ -236,6 +239,29 @@ fn placement(
     }
 }
 
+/// Spheres on a lattice, and no other bodies beside them.
+fn on_lattice(
+    table: &BodiesTable,
+    lattice: &LatticeTable,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Placement> {
+    let key = path::join(at, "lattice");
+    let others = [
+        ("spheres", table.spheres.is_some()),
+        ("cylinders", table.cylinders.is_some()),
+        ("polyhedra", table.polyhedra.is_some()),
+        ("packing", table.packing.is_some()),
+        ("a shape", table.shape.is_some()),
+    ];
+    if let Some((other, _)) = others.into_iter().find(|(_, is_there)| *is_there) {
+        let message = format!("found both {other} and a lattice of spheres, expected one of them");
+        findings.problem(&key, message);
+        return None;
+    }
+    lattice::spheres(lattice, &key, findings).map(Placement::Listed)
+}
+
 /// Prisms, and no other bodies beside them.
 fn prisms(
     table: &BodiesTable,
@@ -247,6 +273,7 @@ fn prisms(
         ("spheres", table.spheres.is_some()),
         ("cylinders", table.cylinders.is_some()),
         ("polyhedra", table.polyhedra.is_some()),
+        ("lattice", table.lattice.is_some()),
         ("packing", table.packing.is_some()),
     ];
     if let Some((other, _)) = others.into_iter().find(|(_, is_there)| *is_there) {

@@ -3,6 +3,7 @@
 use super::super::document::{ChenTable, ContactTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
+use super::contacts::none_of;
 use tremie_messages::scene::{ContactLaw, Damping, Spring};
 
 /// The law, with the stiffness for each mass that follows from gravity.
@@ -50,21 +51,19 @@ fn is_alone(table: &ContactTable, at: &str, findings: &mut Findings) -> bool {
         ("tangential_stiffness", table.tangential_stiffness.is_some()),
         ("hertz", table.hertz == Some(true)),
         ("work_of_adhesion", table.work_of_adhesion.is_some()),
+        ("friction_history", table.friction_history == Some(false)),
         ("restitution", table.restitution.is_some()),
         ("normal_damping", table.normal_damping.is_some()),
         ("tangential_damping", table.tangential_damping.is_some()),
     ];
-    let found = others.iter().filter(|(_, is_there)| *is_there);
-    for (key, _) in found.clone() {
-        let message = "found chen too, which has springs and damping of its own";
-        findings.problem_with_help(&path::join(at, key), message, "leave out one of them");
-    }
+    let message = "found chen too, which has springs and damping of its own";
+    let is_alone = none_of(&others, at, (message, "leave out one of them"), findings);
     let rolls = table.rolling_friction != Some(0.0);
     if rolls && let Some(rolling) = table.rolling_friction {
         let message = format!("found {rolling}, but chen has no form with rolling friction");
         findings.problem_with_help(&path::join(at, "rolling_friction"), message, "leave it out");
     }
-    found.count() == 0 && !rolls
+    is_alone && !rolls
 }
 
 /// The strength of gravity [m/s2].

@@ -225,6 +225,11 @@ fn written(
 
 /// The springs; with `hertz`, ones that are replaced when the materials are known.
 fn spring(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Spring> {
+    if table.friction_history == Some(false) && table.hertz == Some(true) {
+        let message = "is for linear springs, and this law is Hertz's";
+        findings.problem(&path::join(at, "friction_history"), message);
+        return None;
+    }
     if table.hertz? {
         let keys = [
             ("normal_stiffness", table.normal_stiffness.is_some()),
@@ -244,10 +249,41 @@ fn spring(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Spr
         findings.problem(&path::join(at, "work_of_adhesion"), message);
     }
     let normal = findings.positive(&table.normal_stiffness, at, "normal_stiffness");
+    if table.friction_history == Some(false) {
+        return without_history(table, at, findings)
+            .then_some(Spring::LinearNoHistory { normal_stiffness: normal? });
+    }
     let tangential = findings.required(&table.tangential_stiffness, at, "tangential_stiffness");
     let tangential =
         tangential.filter(|k| findings.not_negative(*k, &path::join(at, "tangential_stiffness")));
     Some(Spring::Linear { normal_stiffness: normal?, tangential_stiffness: tangential?.0 })
+}
+
+/// True if a table without history of friction has no key that needs it; a problem for each.
+fn without_history(table: &ContactTable, at: &str, findings: &mut Findings) -> bool {
+    let others = [
+        ("tangential_stiffness", table.tangential_stiffness.is_some()),
+        ("normal_damping", table.normal_damping.is_some()),
+        ("tangential_damping", table.tangential_damping.is_some()),
+        ("rolling_friction", table.rolling_friction.is_some_and(|rolling| rolling != 0.0)),
+    ];
+    let message = "found friction_history = false too, a law that has no place for it";
+    let help = "leave out one of them; damping is by restitution";
+    none_of(&others, at, (message, help), findings)
+}
+
+/// True if none of the keys that a law has no place for is there; a problem for each that is.
+pub(super) fn none_of(
+    keys: &[(&str, bool)],
+    at: &str,
+    (message, help): (&str, &str),
+    findings: &mut Findings,
+) -> bool {
+    let found = keys.iter().filter(|(_, is_there)| *is_there);
+    for (key, _) in found.clone() {
+        findings.problem_with_help(&path::join(at, key), message, help);
+    }
+    found.count() == 0
 }
 
 fn damping(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Damping> {

@@ -12,6 +12,7 @@ mod domain;
 mod fluid;
 mod gaps;
 mod inlets;
+mod lattice;
 mod materials;
 mod near;
 mod parts;

@@ -127,6 +127,7 @@ fn only_across(set: &BodiesTable, axis: usize, at: &str, findings: &mut Findings
     let others = [
         ("spheres", set.spheres.is_some()),
         ("polyhedra", set.polyhedra.is_some()),
+        ("lattice", set.lattice.is_some()),
         ("packing", set.packing.is_some()),
         ("clump", set.clump.is_some()),
     ];

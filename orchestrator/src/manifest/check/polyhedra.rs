@@ -145,7 +145,7 @@ fn convex(table: &ShapeTable, at: &str, findings: &mut Findings) -> Option<Conve
         (None, None) => {
             let keys = ["vertices", "file", "outline"];
             if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
-                findings.problem(at, "missing: its corners, as \"vertices\" or as a \"file\"");
+                findings.problem(at, "missing: its corners, as \"vertices\", a \"file\", or in a plane scene an \"outline\"");
             }
             return None;
         }

@@ -1,5 +1,6 @@
 //! The manifest's tables of bodies: how they move, where they are, how large.
 
+use super::AxisName;
 use super::course::MotionCourseEntry;
 use super::forms::read_by_form;
 use super::polyhedra::{PolyhedronTable, PrismTable};
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
 
 /// Bodies of one material and one kind of motion. Exactly one of `spheres`, `cylinders`,
-/// `polyhedra`, `prisms` and `packing`.
+/// `polyhedra`, `prisms`, `lattice` and `packing`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct BodiesTable {
@@ -46,6 +47,8 @@ pub(in super::super) struct BodiesTable {
     pub polyhedra: Option<Vec<PolyhedronTable>>,
     /// Each prism given, in a plane scene; the set's shape has an outline.
     pub prisms: Option<Vec<PrismTable>>,
+    /// Spheres on a lattice: a rough wall, or a start in order.
+    pub lattice: Option<LatticeTable>,
     /// Spheres packed at random, without overlap; or polyhedra in such spheres, turned at random.
     pub packing: Option<PackingTable>,
 }
@@ -96,6 +99,37 @@ pub(in super::super) struct SphereTable {
     pub velocity: Option<[Velocity; 3]>,
     /// Angular velocity (default: none).
     pub angular_velocity: Option<[AngularVelocity; 3]>,
+}
+
+/// Spheres of one size on a lattice, from the lower corner of a region on: as many as lie in it
+/// whole.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct LatticeTable {
+    /// Lower corner of the region. Required.
+    pub min: Option<[Length; 3]>,
+    /// Upper corner of the region. Required.
+    pub max: Option<[Length; 3]>,
+    /// Diameter. Required.
+    pub diameter: Option<Length>,
+    /// Distance of neighbours (default: the diameter).
+    pub spacing: Option<Length>,
+    /// Arrangement (default: hexagonal).
+    pub arrangement: Option<Arrangement>,
+    /// The axis across the layers (default: z). A region that is one sphere thick along it holds a
+    /// single layer.
+    pub normal: Option<AxisName>,
+}
+
+/// Arrangement of a lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in super::super) enum Arrangement {
+    /// Hexagonal close packing: rows side by side in gaps, and layers in turn above each other's
+    /// holes.
+    Hexagonal,
+    /// Simple cubic.
+    Cubic,
 }
 
 /// A random packing. Exactly one of `diameter` and `diameters`.

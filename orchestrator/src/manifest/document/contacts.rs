@@ -17,8 +17,8 @@ pub(in super::super) struct MaterialTable {
     pub poisson_ratio: Option<f64>,
 }
 
-/// Spring, dashpot and friction. Springs by `normal_stiffness` and `tangential_stiffness`, or by
-/// `hertz = true`; damping by `restitution`, or by both dashpots. Or both by `chen`.
+/// Spring, dashpot and friction. Springs by `normal_stiffness` and `tangential_stiffness`, by
+/// `normal_stiffness` and `friction_history = false`, or by `hertz = true`; damping by `restitution`, or by both dashpots. Or both by `chen`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ContactTable {
@@ -40,6 +40,10 @@ pub(in super::super) struct ContactTable {
     pub chen: Option<ChenTable>,
     /// Coefficient of friction (default: 0; with `chen` 0.3).
     pub friction: Option<f64>,
+    /// Whether friction has a spring that remembers the sliding since a contact began. Without it
+    /// friction opposes sliding by the coefficient times the normal force, and nothing holds at
+    /// rest: `tangential_stiffness` is left out then (default: true).
+    pub friction_history: Option<bool>,
     /// Coefficient of rolling friction: largest rolling torque over normal force and reduced radius
     /// (default: 0).
     pub rolling_friction: Option<f64>,

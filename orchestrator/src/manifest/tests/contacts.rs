@@ -290,6 +290,20 @@ fn bodies_can_follow_a_course() {
     one_problem(&text.replace("diameter = \"0.1 m\" }]", placed), &["spheres[0]", "has a course"]);
 }
 
+#[test]
+fn friction_without_history_has_no_tangential_spring() {
+    let springs = "tangential_stiffness = \"8e3 N/m\"\n";
+    let text = TWO.replacen(springs, "friction_history = false\n", 1);
+    let scene = read(&text).unwrap().spec.scene;
+    let spring = Spring::LinearNoHistory { normal_stiffness: 1e4 };
+    assert_eq!(law(&scene, "glass", "wall").spring, spring);
+    reads_back(&text);
+    let both = TWO.replacen(springs, &format!("{springs}friction_history = false\n"), 1);
+    one_problem(&both, &["tangential_stiffness", "friction_history = false"]);
+    let rolling = text.replacen("friction = 0.3\n", "friction = 0.3\nrolling_friction = 0.1\n", 1);
+    one_problem(&rolling, &["rolling_friction", "friction_history = false"]);
+}
+
 /// The law of Chen et al. in place of the common law.
 fn by_chen(more: &str) -> String {
     let common = "normal_stiffness = \"1e4 N/m\"\ntangential_stiffness = \"8e3 N/m\"\nfriction = 0.3\nrestitution = 0.8\n";

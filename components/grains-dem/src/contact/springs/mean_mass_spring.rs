@@ -101,6 +101,10 @@ impl ContactSpring for MeanMassSpring {
         true
     }
 
+    fn is_for_rigid_spheres(&self) -> bool {
+        true
+    }
+
     fn dashpots(&self, alpha: f64) -> [f64; 2] {
         let normal = 2.0 * alpha * self.kappa.sqrt();
         [normal, normal * self.across.sqrt()]

@@ -5,11 +5,13 @@
 
 pub mod hertz_jkr;
 pub mod hertz_mindlin;
+pub mod linear_no_history;
 pub mod linear_spring;
 pub mod mean_mass_spring;
 
 use crate::contact::springs::hertz_jkr::HertzJkr;
 use crate::contact::springs::hertz_mindlin::HertzMindlin;
+use crate::contact::springs::linear_no_history::LinearNoHistory;
 use crate::contact::springs::linear_spring::LinearSpring;
 use crate::contact::springs::mean_mass_spring::MeanMassSpring;
 use tremie_messages::scene::Spring;
@@ -112,9 +114,13 @@ pub(crate) trait ContactSpring {
         0.0
     }
 
-    /// True if the stiffness goes with the mean mass: such a law has no form yet for surfaces that
-    /// deform and for rolling friction.
+    /// True if the stiffness goes with the mean mass.
     fn is_by_mean_mass(&self) -> bool {
+        false
+    }
+
+    /// True if the law has no form for surfaces that deform and for rolling friction.
+    fn is_for_rigid_spheres(&self) -> bool {
         false
     }
 
@@ -179,6 +185,7 @@ pub(crate) trait ContactSpring {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RegisteredSpring {
     Linear(LinearSpring),
+    LinearNoHistory(LinearNoHistory),
     Hertz(HertzMindlin),
     Jkr(HertzJkr),
     Chen(MeanMassSpring),
@@ -189,6 +196,7 @@ macro_rules! ask {
     ($any:expr, $law:ident => $answer:expr) => {
         match $any {
             RegisteredSpring::Linear($law) => $answer,
+            RegisteredSpring::LinearNoHistory($law) => $answer,
             RegisteredSpring::Hertz($law) => $answer,
             RegisteredSpring::Jkr($law) => $answer,
             RegisteredSpring::Chen($law) => $answer,
@@ -203,6 +211,9 @@ impl RegisteredSpring {
         match *spring {
             Spring::Linear { normal_stiffness, tangential_stiffness } => {
                 Self::Linear(LinearSpring::new(normal_stiffness, tangential_stiffness))
+            }
+            Spring::LinearNoHistory { normal_stiffness } => {
+                Self::LinearNoHistory(LinearNoHistory::new(normal_stiffness))
             }
             Spring::Hertz { effective_modulus, effective_shear_modulus } => {
                 Self::Hertz(HertzMindlin { effective_modulus, effective_shear_modulus })
@@ -220,6 +231,7 @@ impl RegisteredSpring {
     pub fn in_steps(self, step: f64) -> Self {
         match self {
             Self::Chen(spring) => Self::Chen(spring.in_steps(step)),
+            Self::LinearNoHistory(spring) => Self::LinearNoHistory(spring.in_steps(step)),
             other => other,
         }
     }
