@@ -54,7 +54,11 @@ def by_petsc(preconditioner):
         setup = time.perf_counter() - start
         solver.solve(b, q)
         took = time.perf_counter() - start
-        return took, setup, solver.getIterationNumber(), q.getArray().copy()
+        found = took, setup, solver.getIterationNumber(), q.getArray().copy()
+        # PETSc's objects outlive their names here, hierarchies of gigabytes with them.
+        for made in (solver, equations, b, q):
+            made.destroy()
+        return found
 
     return solve
 
