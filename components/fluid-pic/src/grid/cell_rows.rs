@@ -7,13 +7,29 @@ use tremie_team::{Cut, Team, Variant};
 /// Stored cells of a piece, if a row is not longer.
 const CELLS_PER_PIECE: usize = 4096;
 
-/// Work made of a closure, so that one loop is compiled for all instructions.
-struct Loop<F>(F);
+/// What a cell's value becomes, span by span. `fill` is to be inlined, and all that it calls in its
+/// loops: else the compiler keeps them in portable instructions.
+pub trait FillSpan<T>: Sync {
+    /// Gives values to the stored cells of a span.
+    fn fill(&self, span: &Range<usize>, values: &mut [T]);
+}
 
-impl<F: FnOnce()> Work for Loop<F> {
+/// The spans of a piece, filled.
+struct FillPiece<'a, T, F> {
+    rows: &'a CellRows,
+    piece: usize,
+    values: &'a mut [T],
+    work: &'a F,
+}
+
+impl<T, F: FillSpan<T>> Work for FillPiece<'_, T, F> {
     #[inline(always)]
     fn run(self) {
-        (self.0)();
+        let first = self.rows.start(self.piece);
+        for span in self.rows.spans(self.piece) {
+            let values = &mut self.values[span.start - first..span.end - first];
+            self.work.fill(&span, values);
+        }
     }
 }
 
@@ -65,36 +81,35 @@ impl CellRows {
     }
 
     /// First stored cell of a piece.
-    #[inline]
+    #[inline(always)]
     fn start(&self, piece: usize) -> usize {
         self.bounds[piece] as usize
     }
 
     /// Ranges of stored cells of a piece.
-    #[inline]
-    fn spans(&self, piece: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+    #[inline(always)]
+    pub fn spans(&self, piece: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let spans = self.first_span[piece] as usize..self.first_span[piece + 1] as usize;
         self.spans[spans].iter().map(|span| span.start as usize..span.end as usize)
     }
 
-    /// Fills the spans of an array, in the widest instructions that are there: `work` has the stored
-    /// cells of a span, and their values.
+    /// Fills the spans of an array, in the widest instructions that are there.
     #[inline(always)]
     pub fn fill<T: Send>(
         &self,
         team: &mut Team,
         variant: Variant,
-        out: &mut [T],
-        work: impl Fn(&Range<usize>, &mut [T]) + Sync,
+        values: &mut [T],
+        work: &impl FillSpan<T>,
     ) {
-        team.for_pieces(Cut::at(out, &self.bounds), |piece, out: &mut [T]| {
-            let first = self.start(piece);
-            variant.run(Loop(|| {
-                for span in self.spans(piece) {
-                    work(&span, &mut out[span.start - first..span.end - first]);
-                }
-            }));
+        team.for_pieces(Cut::at(values, &self.bounds), |piece, values: &mut [T]| {
+            variant.run(FillPiece { rows: self, piece, values, work });
         });
+    }
+
+    /// Number of pieces.
+    pub fn pieces(&self) -> usize {
+        self.bounds.len().saturating_sub(1)
     }
 
     /// Ranges of all stored cells that take part.

@@ -3,4 +3,5 @@
 pub mod cell_rows;
 pub mod near_rows;
 pub mod periodic_ghosts;
+pub mod row_sums;
 pub mod staggered_grid;

@@ -14,9 +14,10 @@ pub struct CellOrder {
 }
 
 impl CellOrder {
-    /// Places of the particles' cells, in the order before they were sorted.
-    pub fn places(&self) -> impl Iterator<Item = u32> + '_ {
-        self.cell.iter().copied()
+    /// Places of the cells that hold particles, ascending, and the particles of each.
+    pub fn cells(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + '_ {
+        let ranges = self.first.windows(2).map(|pair| pair[0] as usize..pair[1] as usize);
+        ranges.enumerate().filter(|(_, particles)| !particles.is_empty())
     }
 
     /// Particles of the cell at a place, when they were sorted.

@@ -62,6 +62,41 @@ impl<const D: usize> HatWeights<D> {
         }
     }
 
+    /// Place of the lower value, and weight, of each pair of values along the first axis; of the
+    /// `2^(D-1)` the first are used.
+    #[inline(always)]
+    pub fn pairs(&self, grid: &StaggeredGrid<D>) -> [(usize, f64); MOST / 2] {
+        let mut pairs = [(self.base, 1.0); MOST / 2];
+        for a in 1..D {
+            let half = 1 << (a - 1);
+            for pair in 0..half {
+                let (place, weight) = pairs[pair];
+                pairs[pair + half] = (place + grid.stride[a], weight * self.upper[a]);
+                pairs[pair].1 *= 1.0 - self.upper[a];
+            }
+        }
+        pairs
+    }
+
+    /// Several values that lie side by side, interpolated.
+    #[inline(always)]
+    pub fn values<const N: usize>(&self, grid: &StaggeredGrid<D>, values: &[[f64; N]]) -> [f64; N] {
+        let steps = Self::steps(grid);
+        let mut around = [[0.0; N]; MOST];
+        for corner in 0..1 << D {
+            around[corner] = values[self.base + steps[corner]];
+        }
+        for a in (0..D).rev() {
+            for corner in 0..1 << a {
+                let beyond = around[corner + (1 << a)];
+                for (own, beyond) in around[corner].iter_mut().zip(beyond) {
+                    *own += self.upper[a] * (beyond - *own);
+                }
+            }
+        }
+        around[0]
+    }
+
     /// The interpolated value.
     #[inline(always)]
     pub fn value(&self, grid: &StaggeredGrid<D>, values: &[f64]) -> f64 {

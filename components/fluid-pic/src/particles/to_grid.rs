@@ -4,46 +4,32 @@ use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::hat_weights::HatWeights;
 use crate::particles::particle_arrays::ParticleArrays;
+use tremie_team::Variant;
+use tremie_team::instructions::Work;
+
+/// Weight and weighted velocity that the faces across an axis gather. Those of a face and of the
+/// next along the first axis lie side by side: a particle adds to both at once.
+pub type FaceSums = Vec<[f64; 2]>;
 
 /// Mass and velocity of the faces across one axis: `m = sum m_p S`, `u = sum m_p u_p S / m`. A face
 /// that no particle reaches has no mass, and velocity 0. With gradients, a particle's velocity is
-/// that at the face.
+/// that at the face. `sums` is room to work in.
 pub fn to_faces<const D: usize>(
-    grid: &StaggeredGrid<D>,
-    near: &NearRows,
+    variant: Variant,
+    (grid, near): (&StaggeredGrid<D>, &NearRows),
     particles: &ParticleArrays<D>,
     axis: usize,
-    mass: &mut [f64],
-    velocity: &mut [f64],
+    sums: &mut FaceSums,
+    (mass, velocity): (&mut [f64], &mut [f64]),
 ) {
     for array in [&mut *mass, &mut *velocity] {
         near.clear_left(array, 0.0);
-        near.fill(array, 0.0);
     }
-    let is_affine = !particles.gradient[axis][0].is_empty();
-    for particle in 0..particles.len() {
-        let around = HatWeights::new(grid, Some(axis), particles.at(particle));
-        let own = particles.velocity[axis][particle];
-        if is_affine {
-            let slope: [f64; D] =
-                std::array::from_fn(|a| particles.gradient[axis][a][particle] * grid.spacing);
-            let base: f64 = own - (0..D).map(|a| slope[a] * around.upper[a]).sum::<f64>();
-            let mut corner = 0_usize;
-            around.each(grid, |place, weight| {
-                let mut there = base;
-                for a in 0..D {
-                    there += if corner >> a & 1 == 1 { slope[a] } else { 0.0 };
-                }
-                corner += 1;
-                mass[place] += weight;
-                velocity[place] += weight * there;
-            });
-        } else {
-            around.each(grid, |place, weight| {
-                mass[place] += weight;
-                velocity[place] += weight * own;
-            });
-        }
+    sums.resize(grid.stored, [0.0; 2]);
+    near.fill(sums, [0.0; 2]);
+    variant.run(AddToFaces { grid, particles, axis, sums });
+    for at in near.spans().flatten() {
+        [mass[at], velocity[at]] = sums[at];
     }
     grid.ghosts.fold(mass);
     grid.ghosts.fold(velocity);
@@ -54,19 +40,111 @@ pub fn to_faces<const D: usize>(
     }
 }
 
+/// Particles add weight and velocity to faces.
+struct AddToFaces<'a, const D: usize> {
+    grid: &'a StaggeredGrid<D>,
+    particles: &'a ParticleArrays<D>,
+    axis: usize,
+    sums: &'a mut [[f64; 2]],
+}
+
+impl<const D: usize> Work for AddToFaces<'_, D> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { grid, particles, axis, sums } = self;
+        if particles.gradient[axis][0].is_empty() {
+            add_velocities(grid, particles, axis, sums);
+        } else {
+            add_affine_velocities(grid, particles, axis, sums);
+        }
+    }
+}
+
+/// Particles add weight to cells.
+struct AddToCells<'a, const D: usize> {
+    grid: &'a StaggeredGrid<D>,
+    particles: &'a ParticleArrays<D>,
+    mass: &'a mut [f64],
+}
+
+impl<const D: usize> Work for AddToCells<'_, D> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { grid, particles, mass } = self;
+        for particle in 0..particles.len() {
+            let around = HatWeights::new(grid, None, particles.at(particle));
+            let shares = [1.0 - around.upper[0], around.upper[0]];
+            for (place, weight) in around.pairs(grid).into_iter().take(1 << (D - 1)) {
+                for (sum, share) in mass[place..place + 2].iter_mut().zip(shares) {
+                    *sum += weight * share;
+                }
+            }
+        }
+    }
+}
+
+/// Adds what particles bring that have one velocity each.
+#[inline(always)]
+fn add_velocities<const D: usize>(
+    grid: &StaggeredGrid<D>,
+    particles: &ParticleArrays<D>,
+    axis: usize,
+    sums: &mut [[f64; 2]],
+) {
+    for (particle, &own) in particles.velocity[axis].iter().enumerate() {
+        let around = HatWeights::new(grid, Some(axis), particles.at(particle));
+        let [lower, upper] = [1.0 - around.upper[0], around.upper[0]];
+        let shares = [[lower, lower * own], [upper, upper * own]];
+        for (place, weight) in around.pairs(grid).into_iter().take(1 << (D - 1)) {
+            add_pair(&mut sums[place..place + 2], weight, shares);
+        }
+    }
+}
+
+/// Adds what particles bring whose velocity changes along the axes.
+#[inline(always)]
+fn add_affine_velocities<const D: usize>(
+    grid: &StaggeredGrid<D>,
+    particles: &ParticleArrays<D>,
+    axis: usize,
+    sums: &mut [[f64; 2]],
+) {
+    for (particle, &own) in particles.velocity[axis].iter().enumerate() {
+        let around = HatWeights::new(grid, Some(axis), particles.at(particle));
+        let slope: [f64; D] =
+            std::array::from_fn(|a| particles.gradient[axis][a][particle] * grid.spacing);
+        let base: f64 = own - (0..D).map(|a| slope[a] * around.upper[a]).sum::<f64>();
+        let [lower, upper] = [1.0 - around.upper[0], around.upper[0]];
+        let pairs = around.pairs(grid).into_iter().take(1 << (D - 1));
+        for (number, (place, weight)) in pairs.enumerate() {
+            let there = (1..D).fold(base, |there, a| {
+                there + if number >> (a - 1) & 1 == 1 { slope[a] } else { 0.0 }
+            });
+            let shares = [[lower, lower * there], [upper, upper * (there + slope[0])]];
+            add_pair(&mut sums[place..place + 2], weight, shares);
+        }
+    }
+}
+
+#[inline(always)]
+fn add_pair(sums: &mut [[f64; 2]], weight: f64, shares: [[f64; 2]; 2]) {
+    for (sum, share) in sums.iter_mut().zip(shares) {
+        for (sum, share) in sum.iter_mut().zip(share) {
+            *sum += weight * share;
+        }
+    }
+}
+
 /// Mass of cells, spread by the same hat.
 pub fn to_cells<const D: usize>(
-    grid: &StaggeredGrid<D>,
-    near: &NearRows,
+    variant: Variant,
+    (grid, near): (&StaggeredGrid<D>, &NearRows),
     particles: &ParticleArrays<D>,
     mass: &mut [f64],
 ) {
     near.clear_left(mass, 0.0);
     near.fill(mass, 0.0);
-    for particle in 0..particles.len() {
-        let around = HatWeights::new(grid, None, particles.at(particle));
-        around.each(grid, |place, weight| mass[place] += weight);
-    }
+    variant.run(AddToCells { grid, particles, mass });
     grid.ghosts.fold(mass);
     near.spans().flatten().for_each(|at| mass[at] *= particles.mass);
 }
@@ -84,14 +162,17 @@ mod tests {
         let velocity = |x: [f64; 3]| [x[1] - 0.3, 5.0 * x[0], -x[2] * x[0]];
         seed(&grid, &mut particles, 2, 1.0, 1, |_| true, velocity);
         let (mut mass, mut u) = (vec![0.0; grid.stored], vec![0.0; grid.stored]);
+        let mut sums = FaceSums::new();
         for axis in 0..3 {
-            to_faces(&grid, &near, &particles, axis, &mut mass, &mut u);
+            let grids = (&grid, &near);
+            let out = (&mut mass[..], &mut u[..]);
+            to_faces(Variant::widest(), grids, &particles, axis, &mut sums, out);
             let all: f64 = mass.iter().sum();
             assert!((all / (0.3 * particles.len() as f64) - 1.0).abs() < 1e-13);
             let momentum: f64 = mass.iter().zip(&u).map(|(m, u)| m * u).sum();
             assert!((momentum - particles.momentum()[axis]).abs() < 1e-11);
         }
-        to_cells(&grid, &near, &particles, &mut mass);
+        to_cells(Variant::widest(), (&grid, &near), &particles, &mut mass);
         assert!((mass.iter().sum::<f64>() / (0.3 * particles.len() as f64) - 1.0).abs() < 1e-13);
     }
 }

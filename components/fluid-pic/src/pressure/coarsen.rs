@@ -143,8 +143,7 @@ pub fn coarsen<const D: usize>(
     let may_pad = (0..D).any(|a| fine_shape.has_seam(a));
     let is_child = |at: usize| !may_pad || !fine_shape.is_padding(at);
     let is_active = |at: usize| fine.diagonal[at] > 0.0 && is_child(at);
-    for place in ghostless(shape) {
-        let first = fine_shape.first_child(shape, place);
+    for (place, first) in cells_and_children(shape, fine_shape) {
         let mut to_surface = 0.0;
         for &child in &children {
             let at = first + child;
@@ -164,7 +163,7 @@ pub fn coarsen<const D: usize>(
     }
     let Stencil { coupling, ghosts, .. } = &mut *coarse;
     coupling.iter_mut().for_each(|coupling| ghosts.fill(coupling));
-    for place in ghostless(shape) {
+    for (place, _) in cells_and_children(shape, fine_shape) {
         let mut sum = 0.0;
         for a in 0..D {
             sum += coarse.coupling[a][place] + coarse.coupling[a][place + shape.stride[a]];
@@ -225,14 +224,20 @@ pub fn held_by_air<const D: usize>(stencil: &Stencil<f32, D>, at: usize) -> f32 
     if rest > 1e-5 * stencil.diagonal[at] { rest / outside.max(1) as f32 } else { 0.0 }
 }
 
-/// Places of all cells but ghosts.
-fn ghostless<const D: usize>(shape: &LevelShape<D>) -> impl Iterator<Item = usize> + use<D> {
-    let shape = *shape;
-    (0..shape.cells.iter().product::<usize>()).map(move |mut number| {
-        (0..D).fold(0, |place, a| {
-            let at = number % shape.cells[a];
+/// Places of all cells but ghosts, and of the first child of each in the finer level.
+fn cells_and_children<const D: usize>(
+    shape: &LevelShape<D>,
+    fine: &LevelShape<D>,
+) -> impl Iterator<Item = (usize, usize)> + use<D> {
+    let (shape, fine) = (*shape, *fine);
+    let [cells, pair] = [shape.cells[0], fine.pair[0]];
+    (0..shape.cells[1..].iter().product::<usize>()).flat_map(move |mut number| {
+        let mut place = 1;
+        for a in 1..D {
+            place += (number % shape.cells[a] + 1) * shape.stride[a];
             number /= shape.cells[a];
-            place + (at + 1) * shape.stride[a]
-        })
+        }
+        let first = fine.first_child(&shape, place);
+        (0..cells).map(move |along| (place + along, first + pair * along))
     })
 }

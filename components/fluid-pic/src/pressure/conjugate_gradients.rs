@@ -1,5 +1,6 @@
 //! Preconditioned conjugate gradients for the pressure.
 
+use crate::grid::row_sums::RowSums;
 use crate::pressure::body_coupling::BodyCoupling;
 use crate::pressure::multigrid::Multigrid;
 use crate::pressure::stencil::Stencil;
@@ -23,6 +24,7 @@ pub struct ConjugateGradients {
     preconditioned: Vec<f64>,
     direction: Vec<f64>,
     applied: Vec<f64>,
+    sums: RowSums,
 }
 
 /// When to stop.
@@ -40,7 +42,13 @@ impl ConjugateGradients {
     /// For arrays of so many stored cells.
     pub fn new(stored: usize) -> Self {
         let zeros = || vec![0.0; stored];
-        Self { residual: zeros(), preconditioned: zeros(), direction: zeros(), applied: zeros() }
+        Self {
+            residual: zeros(),
+            preconditioned: zeros(),
+            direction: zeros(),
+            applied: zeros(),
+            sums: RowSums::default(),
+        }
     }
 
     /// Solves `(A + J^T S J) q = b`, beginning from the `q` that is there. Unless the level of `q`
@@ -59,7 +67,7 @@ impl ConjugateGradients {
         is_held: bool,
     ) -> PressureOutcome {
         let rows = &stencil.rows;
-        let Self { residual, preconditioned, direction, applied } = self;
+        let Self { residual, preconditioned, direction, applied, sums } = self;
         let level = |values: &mut [f64]| {
             let cells = || rows.all_spans().flatten().filter(|&at| stencil.diagonal[at] > 0.0);
             let (sum, count) = cells().fold((0.0, 0), |(s, n), at| (s + values[at], n + 1));
@@ -71,14 +79,9 @@ impl ConjugateGradients {
         }
         stencil.residual(team, variant, q, b, residual);
         bodies.apply(q, residual, |_| -1.0);
-        let largest =
-            |r: &[f64]| rows.all_spans().flatten().map(|at| r[at].abs()).fold(0.0, f64::max);
-        let dot = |a: &[f64], b: &[f64]| -> f64 {
-            rows.all_spans().map(|span| span.map(|at| a[at] * b[at]).sum::<f64>()).sum()
-        };
-        let start = rows.all_spans().flatten().map(|at| b[at].abs()).fold(0.0, f64::max);
+        let start = sums.largest(team, variant, rows, b);
         let goal = (tolerance.relative * start).max(tolerance.absolute);
-        let mut left = largest(residual);
+        let mut left = sums.largest(team, variant, rows, residual);
         let (mut weight, mut iterations) = (0.0, 0);
         while left > goal && iterations < tolerance.iterations {
             if !is_held {
@@ -88,26 +91,24 @@ impl ConjugateGradients {
             if !is_held {
                 level(preconditioned);
             }
-            let fresh = dot(residual, preconditioned);
+            let pairs = [[&**residual, preconditioned], [&**applied, preconditioned]];
+            let [fresh, old] = sums.dots(team, variant, rows, pairs);
             // Polak and Ribiere's choice bears a preconditioner of single precision.
-            let beta = if iterations == 0 { 0.0 } else { -dot(preconditioned, applied) * weight };
-            for at in rows.all_spans().flatten() {
-                direction[at] = preconditioned[at] + beta * direction[at];
-            }
+            let beta = if iterations == 0 { 0.0 } else { -old * weight };
+            rows.turn((team, variant), direction, beta, preconditioned);
             stencil.apply(team, variant, direction, applied);
             bodies.apply(direction, applied, |_| 1.0);
-            let curvature = dot(direction, applied);
+            let pairs = [[&**applied, direction], [&**residual, direction]];
+            let [curvature, along] = sums.dots(team, variant, rows, pairs);
             // Not a number stops it too.
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
-            let alpha = dot(direction, residual) / curvature;
-            for at in rows.all_spans().flatten() {
-                q[at] += alpha * direction[at];
-                residual[at] -= alpha * applied[at];
-            }
+            let alpha = along / curvature;
+            rows.add_scaled((team, variant), q, alpha, direction);
+            rows.add_scaled((team, variant), residual, -alpha, applied);
             weight = alpha / fresh;
-            left = largest(residual);
+            left = sums.largest(team, variant, rows, residual);
             iterations += 1;
         }
         PressureOutcome { iterations, residual: left, converged: left <= goal }

@@ -4,6 +4,7 @@
 //! preconditioned by the diagonal; all cells at once, so that results do not depend on the order of
 //! work. The transpose of the interpolation ([`Interpolation`]) sums what is left.
 
+use crate::grid::cell_rows::FillSpan;
 use crate::grid::near_rows::NearRows;
 use crate::pressure::body_coupling::{BodyCoupling, dot6};
 use crate::pressure::coarsen::{LevelShape, coarsen, held_by_air};
@@ -43,6 +44,45 @@ struct Level<const D: usize> {
     q: Vec<f32>,
     b: Vec<f32>,
     rest: Vec<f32>,
+}
+
+/// Richardson's first step from zero: `weight b / diagonal`.
+struct FirstStep<'a> {
+    weight: f32,
+    inverse: &'a [f32],
+    b: &'a [f32],
+}
+
+impl FillSpan<f32> for FirstStep<'_> {
+    #[inline(always)]
+    fn fill(&self, span: &Range<usize>, values: &mut [f32]) {
+        let (b, inverse) = (&self.b[span.clone()], &self.inverse[span.clone()]);
+        for ((own, b), inverse) in values.iter_mut().zip(b).zip(inverse) {
+            *own = self.weight * inverse * b;
+        }
+    }
+}
+
+/// Numbers in single precision.
+struct Single<'a>(&'a [f64]);
+
+impl FillSpan<f32> for Single<'_> {
+    #[inline(always)]
+    fn fill(&self, span: &Range<usize>, values: &mut [f32]) {
+        values.iter_mut().zip(&self.0[span.clone()]).for_each(|(own, &other)| *own = other as f32);
+    }
+}
+
+/// Numbers in double precision.
+struct Double<'a>(&'a [f32]);
+
+impl FillSpan<f64> for Double<'_> {
+    #[inline(always)]
+    fn fill(&self, span: &Range<usize>, values: &mut [f64]) {
+        for (own, &other) in values.iter_mut().zip(&self.0[span.clone()]) {
+            *own = f64::from(other);
+        }
+    }
 }
 
 /// The hierarchy of grids.
@@ -158,19 +198,11 @@ impl<const D: usize> Multigrid<D> {
 
     /// Approximate solution of the finest level's equation with right side `b`.
     pub fn precondition(&mut self, team: &mut Team, variant: Variant, b: &[f64], out: &mut [f64]) {
-        let level = &mut self.levels[0];
-        for span in level.stencil.rows.all_spans() {
-            for at in span {
-                level.b[at] = b[at] as f32;
-            }
-        }
+        let Level { stencil, b: single, .. } = &mut self.levels[0];
+        stencil.rows.fill(team, variant, single, &Single(b));
         self.cycle(team, variant);
-        let level = &self.levels[0];
-        for span in level.stencil.rows.all_spans() {
-            for at in span {
-                out[at] = f64::from(level.q[at]);
-            }
-        }
+        let Level { stencil, q, .. } = &self.levels[0];
+        stencil.rows.fill(team, variant, out, &Double(q));
     }
 
     fn cycle(&mut self, team: &mut Team, variant: Variant) {
@@ -297,8 +329,7 @@ impl<const D: usize> Level<D> {
                 slope[at] = 0.0;
                 continue;
             }
-            let along = at / stride % length;
-            if self.is_seam[axis] && (along == 1 || along == last) {
+            if self.is_seam[axis] && [1, last].contains(&(at / stride % length)) {
                 slope[at] = 0.0;
                 continue;
             }
@@ -338,12 +369,8 @@ impl<const D: usize> Level<D> {
             return self.smooth(team, variant, weights);
         }
         let Self { stencil, coupling, inverse, q, b, rest, .. } = self;
-        stencil.rows.fill(team, variant, rest, |span, out| {
-            let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
-            for i in 0..out.len() {
-                out[i] = weights[0] * inverse[i] * b[i];
-            }
-        });
+        let first = FirstStep { weight: weights[0], inverse, b };
+        stencil.rows.fill(team, variant, rest, &first);
         stencil.relax(team, variant, weights[1], inverse, rest, b, q);
         coupling.apply(rest, q, |at| -f64::from(weights[1] * inverse[at]));
     }

@@ -1,6 +1,6 @@
 //! The equation of a cell with its neighbours along the axes, row by row.
 
-use crate::grid::cell_rows::CellRows;
+use crate::grid::cell_rows::{CellRows, FillSpan};
 use crate::grid::near_rows::NearRows;
 use crate::grid::periodic_ghosts::PeriodicGhosts;
 use crate::grid::staggered_grid::StaggeredGrid;
@@ -37,9 +37,8 @@ struct CellNeighbours<'a, T, const D: usize> {
 
 impl<'a, T: RealField + Copy, const D: usize> CellNeighbours<'a, T, D> {
     #[inline(always)]
-    fn of(stencil: &'a Stencil<T, D>, q: &'a [T], span: &Range<usize>) -> Self {
-        let n = span.len();
-        let (start, stride) = (span.start, stencil.stride);
+    fn of(stencil: &'a Stencil<T, D>, q: &'a [T], start: usize, n: usize) -> Self {
+        let stride = stencil.stride;
         let of = |array: &'a [T], begin: usize| &array[begin..begin + n];
         Self {
             below: std::array::from_fn(|a| of(q, start - stride[a])),
@@ -126,36 +125,33 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
         coupling.iter_mut().for_each(|coupling| ghosts.fill(coupling));
     }
 
-    /// Writes to the cells of all rows what `value` says of cell `i` of a span: with its neighbours,
-    /// and the values of other arrays in the span.
+    /// Writes to the cells of all rows what `value` says of them.
     #[inline(always)]
-    fn each<const K: usize>(
+    fn each<V: CellValue<T, D, K>, const K: usize>(
         &self,
         team: &mut Team,
         variant: Variant,
         (q, others): (&mut [T], [&[T]; K]),
         out: &mut [T],
-        value: impl Fn(&CellNeighbours<T, D>, [&[T]; K], usize) -> T + Sync,
+        value: V,
     ) {
         self.ghosts.fill(q);
-        let q = &*q;
-        self.rows.fill(team, variant, out, |span, out| {
-            let around = CellNeighbours::of(self, q, span);
-            let others = others.map(|array| &array[span.clone()]);
-            for i in 0..out.len() {
-                out[i] = value(&around, others, i);
-            }
-        });
+        self.rows.fill(team, variant, out, &FillCells { stencil: self, q, others, value });
     }
 
     /// `out = A q`.
     pub fn apply(&self, team: &mut Team, variant: Variant, q: &mut [T], out: &mut [T]) {
-        self.each(team, variant, (q, []), out, |around, [], i| around.applied(i));
+        self.each(team, variant, (q, []), out, Applied);
     }
 
     /// `out = b - A q`.
     pub fn residual(&self, team: &mut Team, variant: Variant, q: &mut [T], b: &[T], out: &mut [T]) {
-        self.each(team, variant, (q, [b]), out, |around, [b], i| b[i] - around.applied(i));
+        self.each(team, variant, (q, [b]), out, Residual);
+    }
+
+    /// `out = r / diagonal`, and 0 where there is no equation.
+    pub fn scale(&self, team: &mut Team, variant: Variant, r: &[T], out: &mut [T]) {
+        self.rows.fill(team, variant, out, &Scaled { r, diagonal: &self.diagonal });
     }
 
     /// One step of Richardson's iteration, preconditioned by the diagonal: `out = q + weight
@@ -172,8 +168,84 @@ impl<T: RealField + Copy, const D: usize> Stencil<T, D> {
         b: &[T],
         out: &mut [T],
     ) {
-        self.each(team, variant, (q, [b, inverse]), out, |around, [b, inverse], i| {
-            around.here[i] + weight * inverse[i] * (b[i] - around.applied(i))
-        });
+        self.each(team, variant, (q, [b, inverse]), out, Relaxed { weight });
+    }
+}
+
+/// The new value of a cell, from its neighbours and the values of `K` other arrays in it.
+trait CellValue<T, const D: usize, const K: usize>: Sync {
+    /// That of cell `i` of a span. It is to be inlined.
+    fn at(&self, around: &CellNeighbours<T, D>, others: [&[T]; K], i: usize) -> T;
+}
+
+/// `A q`.
+struct Applied;
+
+impl<T: RealField + Copy, const D: usize> CellValue<T, D, 0> for Applied {
+    #[inline(always)]
+    fn at(&self, around: &CellNeighbours<T, D>, []: [&[T]; 0], i: usize) -> T {
+        around.applied(i)
+    }
+}
+
+/// `b - A q`.
+struct Residual;
+
+impl<T: RealField + Copy, const D: usize> CellValue<T, D, 1> for Residual {
+    #[inline(always)]
+    fn at(&self, around: &CellNeighbours<T, D>, [b]: [&[T]; 1], i: usize) -> T {
+        b[i] - around.applied(i)
+    }
+}
+
+/// A step of Richardson's iteration.
+struct Relaxed<T> {
+    weight: T,
+}
+
+impl<T: RealField + Copy, const D: usize> CellValue<T, D, 2> for Relaxed<T> {
+    #[inline(always)]
+    fn at(&self, around: &CellNeighbours<T, D>, [b, inverse]: [&[T]; 2], i: usize) -> T {
+        around.here[i] + self.weight * inverse[i] * (b[i] - around.applied(i))
+    }
+}
+
+/// `r / diagonal`.
+struct Scaled<'a, T> {
+    r: &'a [T],
+    diagonal: &'a [T],
+}
+
+impl<T: RealField + Copy> FillSpan<T> for Scaled<'_, T> {
+    #[inline(always)]
+    fn fill(&self, span: &Range<usize>, values: &mut [T]) {
+        let (r, diagonal) = (&self.r[span.clone()], &self.diagonal[span.clone()]);
+        for ((own, &r), &diagonal) in values.iter_mut().zip(r).zip(diagonal) {
+            *own = if diagonal > T::zero() { r / diagonal } else { T::zero() };
+        }
+    }
+}
+
+/// The cells of spans, and what their values follow from.
+struct FillCells<'a, T, V, const D: usize, const K: usize> {
+    stencil: &'a Stencil<T, D>,
+    q: &'a [T],
+    others: [&'a [T]; K],
+    value: V,
+}
+
+impl<T, V, const D: usize, const K: usize> FillSpan<T> for FillCells<'_, T, V, D, K>
+where
+    T: RealField + Copy,
+    V: CellValue<T, D, K>,
+{
+    #[inline(always)]
+    fn fill(&self, span: &Range<usize>, values: &mut [T]) {
+        let n = values.len();
+        let around = CellNeighbours::of(self.stencil, self.q, span.start, n);
+        let others = self.others.map(|array| &array[span.start..span.start + n]);
+        for i in 0..n {
+            values[i] = self.value.at(&around, others, i);
+        }
     }
 }

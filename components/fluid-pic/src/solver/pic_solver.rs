@@ -17,10 +17,10 @@
 use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::cell_order::{CellOrder, cell_of};
-use crate::particles::from_grid::{FaceVelocity, PIECE, ParticleMotion};
+use crate::particles::from_grid::{FaceVelocity, ParticleMotion, StartValues, gather_start_values};
 use crate::particles::hat_weights::HatWeights;
 use crate::particles::particle_arrays::ParticleArrays;
-use crate::particles::to_grid::{to_cells, to_faces};
+use crate::particles::to_grid::{FaceSums, to_cells, to_faces};
 use crate::pressure::body_coupling::Wrench;
 use crate::pressure::conjugate_gradients::{ConjugateGradients, PressureOutcome};
 use crate::pressure::multigrid::Multigrid;
@@ -69,6 +69,8 @@ pub struct PicSolver<const D: usize> {
     pub(super) before: FaceVelocity<D>,
     pub(super) velocity: FaceVelocity<D>,
     face_mass: FaceVelocity<D>,
+    face_sums: [FaceSums; D],
+    start_values: [StartValues; D],
     /// Faces that particles reach.
     is_carried: [Vec<bool>; D],
     pub(super) state: [Vec<FaceState>; D],
@@ -138,6 +140,8 @@ impl<const D: usize> PicSolver<D> {
             before: std::array::from_fn(|_| zeros()),
             velocity: std::array::from_fn(|_| zeros()),
             face_mass: std::array::from_fn(|_| zeros()),
+            face_sums: std::array::from_fn(|_| FaceSums::new()),
+            start_values: std::array::from_fn(|_| StartValues::new()),
             is_carried: std::array::from_fn(|_| vec![false; grid.stored]),
             state: std::array::from_fn(|_| vec![FaceState::Unknown; grid.stored]),
             found: std::array::from_fn(|_| ExtrapolationRoom::default()),
@@ -246,23 +250,29 @@ impl<const D: usize> PicSolver<D> {
         let [lower, upper] =
             [self.grid.origin.map(|x| x + margin), self.grid.end().map(|x| x - margin)];
         let [lower, upper] = self.open_faces.reach(self.grid.spacing, [lower, upper]);
+        let Self { grid, near, team, before, velocity, correction, start_values, .. } = self;
+        let of_faces = [&*before, &*velocity, &correction.displacement];
+        gather_start_values(team, near, of_faces, start_values);
         let motion = ParticleMotion {
-            grid: &self.grid,
-            before: &self.before,
-            after: &self.velocity,
-            shift: &self.correction.displacement,
+            grid,
+            after: velocity,
+            start: start_values,
+            transfer: self.settings.transfer,
             is_adrift: &self.is_adrift,
             dt,
             fall: std::array::from_fn(|a| dt * self.settings.gravity[a]),
             lower,
             upper,
         };
-        motion.take_velocities(&mut self.team, self.settings.transfer, &mut self.particles);
+        let (variant, particles) = (self.variant, &mut self.particles);
         if let Some(damping) = &self.settings.gap_damping {
+            motion.take_velocities(team, variant, particles);
             let solids = (&self.fractions, bodies);
-            self.gap_bands.damp(damping, &self.grid, solids, &self.order, &mut self.particles);
+            self.gap_bands.damp(damping, grid, solids, &self.order, particles);
+            motion.advect(team, variant, particles);
+        } else {
+            motion.carry(team, variant, particles);
         }
-        motion.advect(&mut self.team, &mut self.particles);
         self.push_out(bodies, margin);
         self.pass_open_faces(dt, bodies);
     }
@@ -295,36 +305,40 @@ impl<const D: usize> PicSolver<D> {
 
     /// Finds the particles that no wet cell is near: they fly by themselves.
     fn find_adrift(&mut self) {
-        let Self { grid, team, depth, particles, is_adrift, .. } = self;
+        let Self { grid, order, depth, particles, is_adrift, .. } = self;
         is_adrift.clear();
         is_adrift.resize(particles.len(), false);
-        let particles = &*particles;
-        team.for_pieces(Cut::every(is_adrift, PIECE), |piece, out: &mut [bool]| {
-            for (k, is_adrift) in out.iter_mut().enumerate() {
-                let around = HatWeights::new(grid, None, particles.at(piece * PIECE + k));
-                *is_adrift = true;
-                around.each(grid, |place, _| *is_adrift &= depth[place] <= 0.0);
+        // Particles of a wet cell are near that one.
+        for (_, held) in order.cells().filter(|(place, _)| depth[*place] <= 0.0) {
+            for particle in held {
+                let around = HatWeights::new(grid, None, particles.at(particle));
+                let mut is_dry = true;
+                around.each(grid, |place, _| is_dry &= depth[place] <= 0.0);
+                is_adrift[particle] = is_dry;
             }
-        });
+        }
     }
 
     /// Particles to grid. Components are works of their own, so that sums keep their order.
     fn gather(&mut self) {
         self.order.sort(&self.grid, &mut self.particles);
-        self.near.find(&self.grid, self.settings.fills_all, self.order.places());
-        let Self { grid, near, particles, team, before, face_mass, .. } = self;
-        let Self { is_carried, state, found, .. } = self;
-        let (grid, near, particles) = (&*grid, &*near, &*particles);
+        let places = self.order.cells().map(|(place, _)| place as u32);
+        self.near.find(&self.grid, self.settings.fills_all, places);
+        let Self { grid, near, particles, team, before, face_mass, face_sums, .. } = self;
+        let Self { is_carried, state, found, variant, .. } = self;
+        let (grid, near, particles, variant) = (&*grid, &*near, &*particles, *variant);
         team.for_pieces(
             (
                 Cut::every(before, 1),
                 Cut::every(face_mass, 1),
+                Cut::every(face_sums, 1),
                 Cut::every(is_carried, 1),
                 Cut::every(state, 1),
                 Cut::every(found, 1),
             ),
-            |a, (before, mass, carried, state, found): Gathered| {
-                to_faces(grid, near, particles, a, &mut mass[0], &mut before[0]);
+            |a, (before, mass, sums, carried, state, found): Gathered| {
+                let gathered = (&mut mass[0][..], &mut before[0][..]);
+                to_faces(variant, (grid, near), particles, a, &mut sums[0], gathered);
                 near.clear_left(&mut carried[0], false);
                 near.clear_left(&mut state[0], FaceState::Unknown);
                 for at in near.spans().flatten() {
@@ -339,7 +353,8 @@ impl<const D: usize> PicSolver<D> {
 
     /// Depth of each cell below the surface.
     fn find_surface(&mut self) {
-        to_cells(&self.grid, &self.near, &self.particles, &mut self.cell_mass);
+        let grids = (&self.grid, &self.near);
+        to_cells(self.variant, grids, &self.particles, &mut self.cell_mass);
         if self.fractions.has_changed || !self.has_room {
             room(&self.grid, &self.fractions.volume, &mut self.room, &mut self.work);
             self.has_room = true;
@@ -764,6 +779,7 @@ pub(super) fn is_deep<const D: usize>(
 type Gathered<'a> = (
     &'a mut [Vec<f64>],
     &'a mut [Vec<f64>],
+    &'a mut [FaceSums],
     &'a mut [Vec<bool>],
     &'a mut [Vec<FaceState>],
     &'a mut [ExtrapolationRoom],

@@ -1,5 +1,6 @@
 //! The equations of the viscous step, of all components at once: bodies that turn couple them.
 
+use crate::grid::row_sums::RowSums;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::pressure::body_coupling::dot6;
 use crate::pressure::stencil::Stencil;
@@ -19,8 +20,10 @@ pub struct ShearEquations<const D: usize> {
     /// Right side; free bodies are added when their links are known.
     pub right: Vec<f64>,
     residual: Vec<f64>,
+    scaled: Vec<f64>,
     direction: Vec<f64>,
     applied: Vec<f64>,
+    sums: RowSums,
 }
 
 impl<const D: usize> ShearEquations<D> {
@@ -31,8 +34,10 @@ impl<const D: usize> ShearEquations<D> {
             stencil: Stencil::of_grid(grid),
             right: zeros(),
             residual: zeros(),
+            scaled: zeros(),
             direction: zeros(),
             applied: zeros(),
+            sums: RowSums::default(),
         }
     }
 
@@ -85,38 +90,38 @@ impl<const D: usize> ShearEquations<D> {
         stencil.find_rows(grid.row_length());
     }
 
-    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
-        let spans = self.stencil.rows.all_spans();
-        spans.map(|span| span.map(|at| a[at] * b[at]).sum::<f64>()).sum()
+    /// Scalar product of the direction and the equations' left side of it.
+    fn curvature(&mut self, team: &mut Team, variant: Variant) -> f64 {
+        let Self { stencil, direction, applied, sums, .. } = self;
+        let [sum] = sums.dots(team, variant, &stencil.rows, [[direction, applied]]);
+        sum
     }
 
-    fn largest(&self, of: &[f64]) -> f64 {
-        self.stencil.rows.all_spans().flatten().map(|at| of[at].abs()).fold(0.0, f64::max)
+    /// The largest imbalance at the start, and now.
+    fn largest(&mut self, team: &mut Team, variant: Variant) -> [f64; 2] {
+        let Self { stencil, right, residual, sums, .. } = self;
+        [right, residual].map(|of| sums.largest(team, variant, &stencil.rows, of))
     }
 
-    /// The residual, scaled by the diagonal.
-    #[inline]
-    fn scaled(&self, at: usize) -> f64 {
-        let diagonal = self.stencil.diagonal[at];
-        if diagonal > 0.0 { self.residual[at] / diagonal } else { 0.0 }
+    /// Scales the residual by the diagonal: scalar product of both.
+    fn scale_residual(&mut self, team: &mut Team, variant: Variant) -> f64 {
+        let Self { stencil, residual, scaled, sums, .. } = self;
+        stencil.scale(team, variant, residual, scaled);
+        let [sum] = sums.dots(team, variant, &stencil.rows, [[residual, scaled]]);
+        sum
     }
 
-    fn turn_direction(&mut self, beta: f64) {
-        for at in self.stencil.rows.all_spans().flatten() {
-            self.direction[at] = self.scaled(at) + beta * self.direction[at];
-        }
+    /// The next direction, and the left side of it.
+    fn turn_direction(&mut self, team: &mut Team, variant: Variant, beta: f64) {
+        let Self { stencil, scaled, direction, applied, .. } = self;
+        stencil.rows.turn((team, variant), direction, beta, scaled);
+        stencil.apply(team, variant, direction, applied);
     }
 
-    fn advance(&mut self, alpha: f64, u: &mut [f64]) {
-        for at in self.stencil.rows.all_spans().flatten() {
-            u[at] += alpha * self.direction[at];
-            self.residual[at] -= alpha * self.applied[at];
-        }
-    }
-
-    fn squared_residual(&self) -> f64 {
-        let spans = self.stencil.rows.all_spans();
-        spans.map(|span| span.map(|at| self.residual[at] * self.scaled(at)).sum::<f64>()).sum()
+    fn advance(&mut self, team: &mut Team, variant: Variant, alpha: f64, u: &mut [f64]) {
+        let Self { stencil, residual, direction, applied, .. } = self;
+        stencil.rows.add_scaled((team, variant), u, alpha, direction);
+        stencil.rows.add_scaled((team, variant), residual, -alpha, applied);
     }
 }
 
@@ -134,29 +139,27 @@ pub fn solve<const D: usize>(
     }
     gather(links, dragged, u);
     give_back(links, dragged, equations, |own| &mut own.residual, 1.0);
-    let of_all = |equations: &[ShearEquations<D>], of: fn(&ShearEquations<D>) -> f64| {
-        equations.iter().map(of).fold(0.0, f64::max)
-    };
-    let goal = TOLERANCE * of_all(equations, |own| own.largest(&own.right));
     let mut before = 0.0;
     for iteration in 0..ITERATIONS {
-        if of_all(equations, |own| own.largest(&own.residual)) <= goal {
+        let largest = equations.iter_mut().map(|own| own.largest(team, variant));
+        let [start, left] =
+            largest.fold([0.0_f64; 2], |most, own| [most[0].max(own[0]), most[1].max(own[1])]);
+        // The right side stays, so that its largest is that of the start.
+        if left <= TOLERANCE * start {
             break;
         }
-        let now: f64 = equations.iter().map(ShearEquations::squared_residual).sum();
+        let now: f64 = equations.iter_mut().map(|own| own.scale_residual(team, variant)).sum();
         let beta = if iteration == 0 { 0.0 } else { now / before };
         for own in &mut *equations {
-            own.turn_direction(beta);
-            own.stencil.apply(team, variant, &mut own.direction, &mut own.applied);
+            own.turn_direction(team, variant, beta);
         }
         let directions: [&[f64]; D] = std::array::from_fn(|a| &equations[a].direction[..]);
         gather(links, dragged, &directions);
         give_back(links, dragged, equations, |own| &mut own.applied, -1.0);
-        let curvature: f64 =
-            equations.iter().map(|own| own.dot(&own.direction, &own.applied)).sum();
+        let curvature: f64 = equations.iter_mut().map(|own| own.curvature(team, variant)).sum();
         let alpha = now / curvature;
         for (own, u) in equations.iter_mut().zip(&mut *u) {
-            own.advance(alpha, u);
+            own.advance(team, variant, alpha, u);
         }
         before = now;
     }

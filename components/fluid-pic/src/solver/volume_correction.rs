@@ -7,6 +7,7 @@
 //! so over few cells: a few steps of conjugate gradients find enough of the displacement.
 
 use crate::grid::near_rows::NearRows;
+use crate::grid::row_sums::RowSums;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::from_grid::FaceVelocity;
 use crate::pressure::stencil::Stencil;
@@ -25,8 +26,10 @@ pub struct VolumeCorrection<const D: usize> {
     pub displacement: FaceVelocity<D>,
     potential: Vec<f64>,
     residual: Vec<f64>,
+    scaled: Vec<f64>,
     direction: Vec<f64>,
     applied: Vec<f64>,
+    sums: RowSums,
 }
 
 impl<const D: usize> VolumeCorrection<D> {
@@ -37,8 +40,10 @@ impl<const D: usize> VolumeCorrection<D> {
             displacement: std::array::from_fn(|_| zeros()),
             potential: zeros(),
             residual: zeros(),
+            scaled: zeros(),
             direction: zeros(),
             applied: zeros(),
+            sums: RowSums::default(),
         }
     }
 
@@ -89,35 +94,25 @@ impl<const D: usize> VolumeCorrection<D> {
 
     /// Conjugate gradients, preconditioned by the diagonal, beginning from 0.
     fn solve(&mut self, team: &mut Team, variant: Variant, stencil: &Stencil<f64, D>) {
-        let Self { potential, residual, direction, applied, .. } = self;
-        let spans = || stencil.rows.all_spans().flatten();
-        let dot = |a: &[f64], b: &[f64]| -> f64 {
-            stencil.rows.all_spans().map(|span| span.map(|at| a[at] * b[at]).sum::<f64>()).sum()
-        };
-        let scaled = |r: &[f64], at: usize| {
-            let diagonal = stencil.diagonal[at];
-            if diagonal > 0.0 { r[at] / diagonal } else { 0.0 }
-        };
+        let Self { potential, residual, scaled, direction, applied, sums, .. } = self;
+        let rows = &stencil.rows;
         let mut before = 0.0;
         for iteration in 0..ITERATIONS {
-            let now: f64 = spans().map(|at| residual[at] * scaled(residual, at)).sum();
+            stencil.scale(team, variant, residual, scaled);
+            let [now] = sums.dots(team, variant, rows, [[&**residual, scaled]]);
             if now <= 0.0 {
                 break;
             }
             let beta = if iteration == 0 { 0.0 } else { now / before };
-            for at in spans() {
-                direction[at] = scaled(residual, at) + beta * direction[at];
-            }
+            rows.turn((team, variant), direction, beta, scaled);
             stencil.apply(team, variant, direction, applied);
-            let curvature = dot(direction, applied);
+            let [curvature] = sums.dots(team, variant, rows, [[&**direction, applied]]);
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
             let alpha = now / curvature;
-            for at in spans() {
-                potential[at] += alpha * direction[at];
-                residual[at] -= alpha * applied[at];
-            }
+            rows.add_scaled((team, variant), potential, alpha, direction);
+            rows.add_scaled((team, variant), residual, -alpha, applied);
             before = now;
         }
     }
