@@ -4,7 +4,7 @@
 //! F = -(m g / v_T^2) |v| v        a body whose centre is in the box, v as contact forces see it
 //! ```
 //!
-//! (Goetsch, PhD thesis, 2015, sec. 3.2.5.) A body at rest that falls in a band from the start has
+//! (Goetsch, thesis, Iowa State University, 2015, sec. 3.2.5.) A body at rest that falls in a band from the start has
 //! the speed `v_T tanh(g t / v_T)`.
 //!
 //! The account has what each band took: the sum over bodies and kicks of `-F dt`, the very kicks

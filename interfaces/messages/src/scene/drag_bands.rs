@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// In a domain that is periodic along the flow, grains that left at the bottom come in again at the
 /// top and would fall onto the bed at speed. In the band each free body whose centre lies in the box
-/// feels `F = -(m g / v_T^2) |v| v` (Goetsch, PhD thesis, 2015, sec. 3.2.5, with the constant by
+/// feels `F = -(m g / v_T^2) |v| v` (Goetsch, thesis, Iowa State University, 2015, sec. 3.2.5, with the constant by
 /// which weight and drag balance at `v_T`), where `g` is the strength of gravity and `v` its
 /// velocity in the world's frame. It acts at the centre and turns nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
