@@ -50,6 +50,43 @@ fn flanged_line() {
     assert!(height.last().unwrap() + 1e-3 < height[0], "the sand does not sink");
 }
 
+/// Beads flow out of the slit, and as many come in at the top; what the band takes is their momentum.
+#[test]
+fn vertical_channel() {
+    let ran = run("examples/vertical-channel/short.toml", &["--quiet"]).succeeded();
+    let signals = ran.signals();
+    let late: Vec<usize> =
+        (0..signals["time"].len()).filter(|&k| signals["time"][k] > 0.15).collect();
+    let mean = |name: &str| late.iter().map(|&k| signals[name][k]).sum::<f64>() / late.len() as f64;
+    let flow = -mean("grains.slit.mass_flow_rate");
+    // 0.157 kg/s in a depth of 21.8 mm; softer springs let more through.
+    let expected = 0.157 * 9.0 / 21.8;
+    assert!((0.8..1.6).contains(&(flow / expected)), "{flow} kg/s, expected {expected} kg/s");
+    assert!((0.5..0.66).contains(&mean("grains.bed.solid_fraction")));
+    let removed = &signals["grains.fall.momentum_removed_y"];
+    assert!(removed.last().unwrap() < &removed[late[0]], "beads fall: what is removed points down");
+    let energy = &signals["grains.fall.energy_removed"];
+    assert!(energy.last().unwrap() > &energy[late[0]]);
+    let left = mean("grains.outlet-lower.force_y") + mean("grains.outlet-upper.force_y");
+    assert!(left < 0.0, "the hopper carries beads: {left} N");
+}
+
+/// The curtain falls freely, and what leaves the slit goes through every section.
+#[test]
+fn particle_curtain() {
+    let ran = run("examples/particle-curtain/short.toml", &["--quiet"]).succeeded();
+    let signals = ran.signals();
+    let late: Vec<usize> =
+        (0..signals["time"].len()).filter(|&k| signals["time"][k] > 0.1).collect();
+    let mean = |name: &str| late.iter().map(|&k| signals[name][k]).sum::<f64>() / late.len() as f64;
+    let square = |slice: &str| mean(&format!("grains.{slice}.velocity_y")).powi(2);
+    let gained = square("slice_38") - square("slice_19");
+    let fall = 2.0 * 9.81 * (60.7e-3 - 41.9e-3);
+    assert!((gained / fall - 1.0).abs() < 0.05, "{gained} m2/s2, expected {fall} m2/s2");
+    let [slit, below] = ["slit", "below"].map(|at| -mean(&format!("grains.{at}.mass_flow_rate")));
+    assert!(slit > 1e-3 && (below / slit - 1.0).abs() < 0.2, "{slit} kg/s, {below} kg/s");
+}
+
 /// One part a cell lower leaves a slit of a cell above it.
 #[test]
 fn a_slit_of_a_cell_between_flanges_is_found_at_its_place() {

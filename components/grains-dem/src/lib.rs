@@ -79,6 +79,7 @@ mod walls;
 pub use grains::{benchmark::benchmarks, component};
 
 pub use bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
+pub use bodies::drag_bands::DragBandState;
 pub use bodies::slider::SliderState;
 pub use grains::findings::{findings, limits};
 pub use math::damping::{damping_ratio, restitution};

@@ -3,7 +3,7 @@
 mod common;
 use common::*;
 use tremie_grains_dem::{GrainsDem, Integrator, Parameters};
-use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
+use tremie_messages::scene::{Damping, DragBand, Geometry, Motion, Part, PartBoundary, Pose};
 use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]
@@ -23,6 +23,12 @@ fn a_substep_allocates_nothing() {
         material: "wall".into(),
         motion: Motion::Fixed,
         boundary: PartBoundary::Wall,
+    }];
+    scene.drag_bands = vec![DragBand {
+        name: "band".into(),
+        min: [0.0; 3],
+        max: [6e-3, 6e-3, 2e-3],
+        terminal_speed: 0.1,
     }];
     for integrator in [Integrator::Verlet, Integrator::Heun, Integrator::Chen] {
         let parameters = Parameters { integrator, ..Parameters::default() };

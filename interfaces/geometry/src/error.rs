@@ -45,6 +45,12 @@ pub enum GeometryError {
         /// The reason.
         why: String,
     },
+    /// An outline that is no section of a prism.
+    #[error("the outline makes no solid: {why}")]
+    Outline {
+        /// The reason.
+        why: String,
+    },
     /// A corner has a coordinate that is infinite or no number.
     #[error("triangle {triangle} has a corner at {found:?}, which is no point")]
     NotFinite {

@@ -1,8 +1,8 @@
 //! Surfaces of rigid parts: what fluid, grains, viewer and orchestrator must agree on.
 //!
 //! [`load`] turns a part's [`Geometry`](tremie_messages::scene::Geometry) into a [`Mesh`]:
-//! triangles from an STL or OBJ file, a box, cylinder or sphere, or a profile turned about an axis,
-//! in metres, welded, closed, with all normals outward. [`Surface`] answers questions about such a
+//! triangles from an STL or OBJ file, a box, cylinder or sphere, a profile turned about an axis, or an
+//! outline drawn out along one, in metres, welded, closed, with all normals outward. [`Surface`] answers questions about such a
 //! mesh, in the part's own frame; a [`Frame`] takes points there and back.
 //!
 //! The inside is decided exactly: by winding numbers from the adaptive predicates of Shewchuk,
@@ -48,6 +48,7 @@ mod edges;
 mod endless;
 mod error;
 mod exact;
+mod extrude;
 mod features;
 mod frame;
 mod inside;

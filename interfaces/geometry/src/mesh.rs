@@ -1,5 +1,6 @@
 //! Triangles of a part.
 
+use crate::extrude::extruded;
 use crate::mend::{Repairs, mend};
 use crate::revolve::revolved;
 use crate::{Bounds, Frame, GeometryError, Vec3, read, shapes, stray};
@@ -56,6 +57,10 @@ pub fn load(geometry: &Geometry) -> Result<Loaded, GeometryError> {
         Geometry::Sphere { radius } => shape(shapes::sphere(*radius)?),
         Geometry::Revolved { profile } => {
             let (mesh, repairs) = mend(revolved(profile)?)?;
+            Ok(Loaded { mesh, repairs })
+        }
+        Geometry::Extruded { outline, axis, length } => {
+            let (mesh, repairs) = mend(extruded(outline, *axis, *length)?)?;
             Ok(Loaded { mesh, repairs })
         }
     }

@@ -125,6 +125,9 @@ impl Document {
             part.material = part.material.take().or_else(|| scene.domain.material.clone());
             fill_part(part, folder);
         }
+        for hopper in &mut scene.hoppers {
+            hopper.material = hopper.material.take().or_else(|| scene.domain.material.clone());
+        }
         for surface in &mut scene.surfaces {
             surface.material = surface.material.take().or_else(|| scene.domain.material.clone());
             fill_surface(surface, folder);

@@ -3,7 +3,9 @@ use tremie_messages::Role;
 use tremie_messages::scene::{Damping, Diameters, Face, Motion, Placement};
 
 mod contacts;
+mod drag_bands;
 mod faces;
+mod hoppers;
 mod inlets;
 mod lattice;
 mod parts;

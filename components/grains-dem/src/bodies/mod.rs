@@ -2,6 +2,7 @@
 
 pub mod body_arrays;
 pub mod deformable_surface;
+pub mod drag_bands;
 pub mod events;
 pub mod loads;
 pub mod mesh_contact;

@@ -4,7 +4,7 @@ use crate::contact::plane_walls;
 use crate::grains::findings::{findings, limits};
 use crate::grains::followed::{self, Follow};
 use crate::grains::signals::{
-    BODIES, FACE, FLUID, INLET, MOTION, OF_ALL, OUTLET, PART, PATH, SLIDER,
+    BODIES, DRAG_BAND, FACE, FLUID, INLET, MOTION, OF_ALL, OUTLET, PART, PATH, SLIDER,
 };
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
@@ -168,6 +168,7 @@ impl Grains for SoftSpheres {
         drop(sliders);
         self.grains.inlets().for_each(|inlet| push(INLET, &inlet, values));
         self.grains.outlets().for_each(|outlet| push(OUTLET, &outlet, values));
+        self.grains.drag_bands().for_each(|band| push(DRAG_BAND, &band, values));
         if self.grains.inlets().len() + self.grains.outlets().len() > 0 {
             push(BODIES, &self.grains.radii().len(), values);
         }
@@ -221,6 +222,7 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     }
     scene.inlets.iter().for_each(|i| all.extend(describe(INLET, &format!("{}.", i.name))));
     scene.outlets.iter().for_each(|o| all.extend(describe(OUTLET, &format!("{}.", o.name))));
+    scene.drag_bands.iter().for_each(|b| all.extend(describe(DRAG_BAND, &format!("{}.", b.name))));
     if !scene.inlets.is_empty() || !scene.outlets.is_empty() {
         all.extend(describe(BODIES, ""));
     }

@@ -1,6 +1,7 @@
 //! The signals of the grains: name, unit, meaning and value of each, in one table for each kind of
 //! thing that has them.
 
+use crate::bodies::drag_bands::DragBandState;
 use crate::bodies::slider::SliderState;
 use crate::solver::diagnostics::Diagnostics;
 use crate::solver::ports::{InletState, OutletState};
@@ -19,6 +20,7 @@ const FORCE: &str = "force of the grains on the part, fixed or moving: contacts 
 const WALL: &str = "force of the grains on this face of the domain at the end of the window: contacts and lubrication; no fluid";
 const FLUID_FORCE: &str = "force of the fluid under which it went through the window: gauge pressure, shear, the pressure \
     in gaps, and buoyancy; no contacts";
+const REMOVED: &str = "momentum that its drag took from the grains since the start";
 const FLUID_TORQUE: &str = "torque of the same about the body's centre or the clump's centroid";
 
 /// Signals of all bodies together.
@@ -163,6 +165,16 @@ pub(crate) const INLET: &[SignalRow<InletState>] = &[
 pub(crate) const OUTLET: &[SignalRow<OutletState>] = &[
     ("removed", "1", "grains that went since the start", |o| o.removed as f64),
     ("mass_removed", "kg", "mass of grains that went since the start", |o| o.mass_removed),
+];
+
+/// Signals of each drag band, since the start.
+pub(crate) const DRAG_BAND: &[SignalRow<DragBandState>] = &[
+    ("momentum_removed_x", "kg m/s", REMOVED, |b| b.momentum_removed[0]),
+    ("momentum_removed_y", "kg m/s", REMOVED, |b| b.momentum_removed[1]),
+    ("momentum_removed_z", "kg m/s", REMOVED, |b| b.momentum_removed[2]),
+    ("energy_removed", "J", "energy that its drag took from the grains since the start", |b| {
+        b.energy_removed
+    }),
 ];
 
 /// Signal of the number of grains, in runs where they come and go.

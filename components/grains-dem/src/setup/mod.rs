@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod check_clumps;
+pub mod check_drag_bands;
 pub mod check_integrator;
 pub mod check_law;
 pub mod check_packing;

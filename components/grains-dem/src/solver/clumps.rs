@@ -9,6 +9,7 @@ mod assembly;
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{Bodies, Twist, Wrench};
+use crate::bodies::drag_bands::BrakedClump;
 use crate::polyhedra::{Inertia, to_world, turned_axes};
 use crate::solver::force_sum::ForceSum;
 use crate::solver::integrate::AppliedForces;
@@ -59,6 +60,12 @@ impl Clumps {
     /// All of them.
     pub fn all(&self) -> &[Clump] {
         &self.all
+    }
+
+    /// Where they are and how fast forces see them, for the account of drag bands.
+    pub fn braked(&self) -> impl Iterator<Item = BrakedClump> + '_ {
+        let of = |clump: &Clump| BrakedClump { mass: clump.mass, x: clump.x, v: clump.predicted.v };
+        self.all.iter().map(of)
     }
 
     /// Sums up the contact forces, after these were evaluated.
@@ -187,10 +194,14 @@ impl Clump {
         Twist { v: v + w.cross(&(member.x - self.x)), w }
     }
 
-    /// Contacts, loads and weight, about the centroid.
+    /// Contacts, loads, weight and the drag of bands, about the centroid.
     fn push(&self, bodies: &Bodies, forces: AppliedForces<'_>) -> Wrench {
         let mut sum = self.contact;
         sum.force += forces.gravity * self.mass;
+        if forces.bands.is_any() {
+            let drag = forces.bands.acceleration_of_clump(self.x, self.predicted.v);
+            sum.force += drag * self.mass;
+        }
         for member in self.members.iter().filter(|_| forces.loaded) {
             let load = &bodies.load[bodies.slot[member.rank as usize] as usize];
             sum.force += load.force;

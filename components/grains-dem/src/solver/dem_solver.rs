@@ -4,6 +4,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, SphereSet};
 use crate::bodies::deformable_surface::{DeformableSurface, SurfaceState};
+use crate::bodies::drag_bands::{DragBandState, DragBands};
 use crate::bodies::message_order::MessageOrder;
 use crate::bodies::placed_parts::{PlacedPart, Step};
 use crate::bodies::prescribed_spheres::Driven;
@@ -113,6 +114,8 @@ pub struct GrainsDem {
     domain: Domain,
     pub(crate) around: InteractionContext,
     pub(crate) gravity: Vec3,
+    /// Boxes in which bodies are braked.
+    pub(crate) bands: DragBands,
     pub(crate) population: Population,
     pub(crate) search: Search,
     pub(crate) threads: Threads,
@@ -173,6 +176,7 @@ impl GrainsDem {
         Self {
             domain: scene.domain.clone(),
             gravity: scene.gravity.into(),
+            bands: DragBands::of_scene(scene, &bounds, ports.capacity.max(spheres.len())),
             search: Search::new(bounds, skins, ports.capacity, surfaces),
             around,
             population: Population {
@@ -354,6 +358,17 @@ impl GrainsDem {
         self.probes.restart_means();
     }
 
+    /// What each drag band took from the bodies since the start, in the order of the scene.
+    pub fn drag_bands(&self) -> impl ExactSizeIterator<Item = DragBandState> + '_ {
+        self.bands.states()
+    }
+
+    /// Notes what drag bands take in a kick of this duration [s], before it.
+    pub(super) fn account_of_bands(&mut self, duration: f64) {
+        let Population { bodies, clumps, .. } = &self.population;
+        self.bands.account(&mut self.threads.team, bodies, clumps.braked(), duration);
+    }
+
     pub(crate) fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
         self.fluid.loaded = !loads.is_empty();
         if self.fluid.loaded {
@@ -416,7 +431,9 @@ impl GrainsDem {
 
     /// Half kicks, drift and prediction of Verlet's method.
     fn move_by_half_kicks(&mut self, finish: bool) {
-        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
+        let dt = self.stepping.dt;
+        self.account_of_bands(if finish { dt } else { 0.5 * dt });
+        let forces = AppliedForces::of(&self.search, &self.fluid, (self.gravity, &self.bands));
         let (team, bodies) = (&mut self.threads.team, &mut self.population.bodies);
         let bounds = &self.around.bounds;
         let step = (self.stepping.dt, finish);
@@ -478,7 +495,7 @@ impl GrainsDem {
         let mut on_surfaces = Tally::default();
         search.surfaces.accept(surfaces, &scenery, &mut on_surfaces);
         self.push_sliders(surfaces);
-        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
+        let forces = AppliedForces::of(&self.search, &self.fluid, (self.gravity, &self.bands));
         self.population.clumps.evaluate(&self.population.bodies, forces);
         self.record.tally = Tally::sum(&[Tally::sum(&self.record.tallies), on_surfaces, on_solids]);
         self.record.deep_overlaps += self.record.tally.deep;

@@ -35,6 +35,7 @@ impl GrainsDem {
         let deep = self.record.deep_overlaps;
         self.evaluate_forces(Steps { before: dt, after: 0.0 }, surfaces)?;
         self.record.deep_overlaps = deep;
+        self.account_of_bands(0.5 * dt);
         self.move_bodies(0.5 * dt, |body| correction(body, 0.5 * dt));
         let due = self.follow_bodies();
         if due {

@@ -12,6 +12,7 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility, Twist, Wrench};
+use crate::bodies::drag_bands::DragBands;
 use crate::math::periodic::PeriodicBox;
 use crate::math::simd::vec4::Four;
 use crate::neighbours::size_classes::Leash;
@@ -28,12 +29,27 @@ pub(crate) struct AppliedForces<'a> {
     pub loaded: bool,
     /// Acceleration of weight [m/s²].
     pub gravity: Vec3,
+    /// Boxes in which bodies are braked.
+    pub bands: &'a DragBands,
 }
 
 impl<'a> AppliedForces<'a> {
-    /// Contacts as they were last evaluated, loads of the fluid, weight.
-    pub fn of(search: &'a Search, fluid: &FluidLoads, gravity: Vec3) -> Self {
-        Self { contacts: search.contacts(), loaded: fluid.loaded, gravity }
+    /// Contacts as they were last evaluated, loads of the fluid, weight, drag of bands.
+    pub fn of(
+        search: &'a Search,
+        fluid: &FluidLoads,
+        (gravity, bands): (Vec3, &'a DragBands),
+    ) -> Self {
+        Self { contacts: search.contacts(), loaded: fluid.loaded, gravity, bands }
+    }
+
+    /// Adds the drag of bands to the acceleration of a body at a place [m] that goes at this
+    /// velocity [m/s], unless its motion is given or that of a clump.
+    #[inline(always)]
+    pub(super) fn brake(&self, a: &mut Twist, mobility: Mobility, x: Vec3, v: Vec3) {
+        if self.bands.is_any() && mobility.is_free() && !mobility.is_joined() {
+            a.v += self.bands.acceleration(x, v);
+        }
     }
 }
 
@@ -205,7 +221,8 @@ impl Work for FirstHalf<'_> {
         for i in 0..n {
             let contact = collector.on(first + i, balls[i].radius);
             let load = forces.loaded.then_some(&load[i]);
-            let a = acceleration(contact, load, mobility[i], forces.gravity);
+            let mut a = acceleration(contact, load, mobility[i], forces.gravity);
+            forces.brake(&mut a, mobility[i], balls[i].x, predicted[i].v);
             let mut twist = twists[i];
             if finish {
                 twist.kick(&a, half);
@@ -233,13 +250,16 @@ pub(crate) fn second_half(
     dt: f64,
 ) {
     let (balls, load, mobility) = (&bodies.balls, &bodies.load, &bodies.mobility);
+    let predicted = &bodies.predicted;
     team.for_pieces(Cut::every(&mut bodies.twists, BLOCK), |b, twists: &mut [Twist]| {
         let own = b * BLOCK..b * BLOCK + twists.len();
         let mut collector = ForceSum::new(forces.contacts, b, own);
         for (i, twist) in (b * BLOCK..).zip(twists) {
             let contact = collector.on(i, balls[i].radius);
             let load = forces.loaded.then_some(&load[i]);
-            twist.kick(&acceleration(contact, load, mobility[i], forces.gravity), 0.5 * dt);
+            let mut a = acceleration(contact, load, mobility[i], forces.gravity);
+            forces.brake(&mut a, mobility[i], balls[i].x, predicted[i].v);
+            twist.kick(&a, 0.5 * dt);
         }
     });
 }

@@ -10,7 +10,8 @@ use tremie_team::Cut;
 
 /// State of a body, as a rule changes it.
 pub(super) struct MovedBody<'a> {
-    /// Acceleration and angular acceleration under the contacts of the last evaluation.
+    /// Acceleration and angular acceleration under the contacts of the last evaluation, and the drag
+    /// of bands: what depends on the velocity.
     pub by_contacts: Twist,
     /// The same under load and weight.
     pub applied: Twist,
@@ -30,7 +31,7 @@ impl GrainsDem {
         duration: f64,
         rule: impl Fn(MovedBody<'_>) -> Twist + Sync,
     ) {
-        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
+        let forces = AppliedForces::of(&self.search, &self.fluid, (self.gravity, &self.bands));
         let (bounds, leash) = (&self.around.bounds, self.search.leash());
         let (bodies, reaches) = (&mut self.population.bodies, &mut self.record.reaches[..]);
         let pieces = (
@@ -53,8 +54,10 @@ impl GrainsDem {
                     let contact = collector.on(first + i, balls[i].radius);
                     let load = forces.loaded.then_some(&load[first + i]);
                     let mobility = mobility[first + i];
+                    let mut by_contacts = acceleration(contact, None, mobility, Vec3::zeros());
+                    forces.brake(&mut by_contacts, mobility, balls[i].x, predicted[i].v);
                     let mean = rule(MovedBody {
-                        by_contacts: acceleration(contact, None, mobility, Vec3::zeros()),
+                        by_contacts,
                         applied: acceleration(Wrench::zero(), load, mobility, forces.gravity),
                         is_free: mobility.is_free(),
                         twist: &mut twists[i],

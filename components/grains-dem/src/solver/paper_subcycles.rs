@@ -22,6 +22,7 @@ impl GrainsDem {
     pub(super) fn move_in_window(&mut self, first: bool) {
         let dt = self.stepping.dt;
         let window = first.then(|| f64::from(self.stepping.window) * dt);
+        self.account_of_bands(dt);
         self.move_bodies(dt, |body| substep(body, dt, window));
     }
 

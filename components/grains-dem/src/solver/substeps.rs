@@ -170,7 +170,8 @@ impl GrainsDem {
 
     /// The half kick that ends a window under Verlet's method.
     fn finish_half_kicks(&mut self) {
-        let forces = AppliedForces::of(&self.search, &self.fluid, self.gravity);
+        self.account_of_bands(0.5 * self.stepping.dt);
+        let forces = AppliedForces::of(&self.search, &self.fluid, (self.gravity, &self.bands));
         integrate::second_half(
             &mut self.threads.team,
             &mut self.population.bodies,

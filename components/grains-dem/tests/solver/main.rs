@@ -5,6 +5,7 @@ mod common;
 
 mod clumps;
 mod conservation;
+mod drag_bands;
 mod exchange;
 mod impulse;
 mod integrators;

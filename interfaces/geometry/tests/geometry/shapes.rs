@@ -145,3 +145,43 @@ fn a_turned_profile_has_the_volume_of_the_round_solid() {
     assert!(why(&[[1.0, 0.0], [0.0, 0.0], [1.0, 1.0]]).contains("on the axis"));
     assert!(why(&[[1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [1.0, 0.0]]).contains("are both at"));
 }
+
+/// A prism of an L along each axis: volume, place, and what is inside.
+#[test]
+fn an_outline_is_drawn_out_along_an_axis() {
+    let outline = vec![[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    for (axis, [u, v]) in [(0, [1, 2]), (1, [0, 2]), (2, [0, 1])] {
+        for turned in [false, true] {
+            let mut outline = outline.clone();
+            if turned {
+                outline.reverse();
+            }
+            let surface = Surface::of(&Geometry::Extruded { outline, axis, length: 5.0 }).unwrap();
+            let moments = surface.mesh().moments();
+            near(moments.volume, 20.0, 1e-13);
+            near(moments.area, 2.0 * 4.0 + 10.0 * 5.0, 1e-12);
+            let point = |along: f64, a: f64, b: f64| {
+                let mut x = [0.0; 3];
+                (x[axis], x[u], x[v]) = (along, a, b);
+                x
+            };
+            let has = |along, a, b| surface.contains(point(along, a, b));
+            assert!(has(2.4, 2.9, 0.5) && has(-2.4, 0.5, 1.9), "{axis}");
+            assert!(!has(2.6, 0.5, 0.5) && !has(0.0, 2.0, 1.5) && !has(0.0, -0.1, 0.5), "{axis}");
+        }
+    }
+    let why = |outline: &[[f64; 2]], length: f64| {
+        let outline = outline.to_vec();
+        Mesh::of(&Geometry::Extruded { outline, axis: 2, length }).unwrap_err().to_string()
+    };
+    assert!(why(&[[0.0, 0.0], [1.0, 0.0]], 1.0).contains("three or more"));
+    assert!(why(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.0).contains("length of the prism"));
+    assert!(why(&[[0.0, 0.0], [1.0, f64::NAN], [0.0, 1.0]], 1.0).contains("no point"));
+    assert!(why(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 1.0).contains("both at"));
+    let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+    assert!(why(&bow, 1.0).contains("corners 0 and 2 meet"));
+    let spike = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+    assert!(why(&spike, 1.0).contains("meet"));
+    let pinched = [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0]];
+    assert!(why(&pinched, 1.0).contains("meet"));
+}

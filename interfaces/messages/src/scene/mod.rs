@@ -6,6 +6,7 @@ mod bodies;
 mod contacts;
 mod course;
 mod domain;
+mod drag_bands;
 mod fill;
 mod gaps;
 mod inlets;
@@ -24,6 +25,7 @@ pub use bodies::{
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring, Tangential};
 pub use course::{Course, Sine};
 pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Outflow, Plane, Profile};
+pub use drag_bands::DragBand;
 pub use fill::Fill;
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
 pub use inlets::{Inlet, InletVelocity, Outlet};
@@ -71,6 +73,9 @@ pub struct Scene {
     /// Outlets, which remove spheres.
     #[serde(default)]
     pub outlets: Vec<Outlet>,
+    /// Boxes in which grains are braked.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drag_bands: Vec<DragBand>,
     /// Names of sets of bodies, and of clumps, whose motion and loads are to be signals, body by
     /// body, besides those that are anyway.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -99,6 +104,7 @@ impl Scene {
             unions: Vec::new(),
             inlets: Vec::new(),
             outlets: Vec::new(),
+            drag_bands: Vec::new(),
             followed: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),

@@ -62,6 +62,16 @@ pub enum Geometry {
         /// the first.
         profile: Vec<[f64; 2]>,
     },
+    /// A prism along an axis, its middle at the origin there: a wedge, a step, a channel's wall.
+    Extruded {
+        /// Corners of its section [m], either way round, in the other two axes in their order: in
+        /// `[x, y]` along z, in `[x, z]` along y. No edge meets another.
+        outline: Vec<[f64; 2]>,
+        /// The axis of the part's frame: 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Length along the axis [m].
+        length: f64,
+    },
 }
 
 /// Position and orientation of a frame.

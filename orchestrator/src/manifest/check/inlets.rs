@@ -19,9 +19,16 @@ impl Names {
         Self(scene.probes.iter().filter_map(|probe| probe.name.clone()).collect())
     }
 
-    fn take(&mut self, name: &Option<String>, at: &str, findings: &mut Findings) -> Option<String> {
-        let taken =
-            |name: &str| format!("\"{name}\" is the name of another inlet, outlet or probe");
+    /// The name of the table `at`; a second one of a kind whose signals look alike is a problem.
+    pub fn take(
+        &mut self,
+        name: &Option<String>,
+        at: &str,
+        findings: &mut Findings,
+    ) -> Option<String> {
+        let taken = |name: &str| {
+            format!("\"{name}\" is the name of another inlet, outlet, probe or drag band")
+        };
         findings.name(name, at, &[], &mut self.0, taken)
     }
 }

@@ -16,9 +16,10 @@ pub(super) fn materials(scene: &SceneTable, findings: &mut Findings) {
     let known = known(scene);
     let mut users: Vec<(String, &Option<String>)> =
         vec![("scene.domain.material".into(), &scene.domain.material)];
-    let lists: [(&str, Vec<&Option<String>>); 5] = [
+    let lists: [(&str, Vec<&Option<String>>); 6] = [
         ("scene.planes", scene.planes.iter().map(|plane| &plane.material).collect()),
         ("scene.parts", scene.parts.iter().map(|part| &part.material).collect()),
+        ("scene.hoppers", scene.hoppers.iter().map(|hopper| &hopper.material).collect()),
         ("scene.surfaces", scene.surfaces.iter().map(|surface| &surface.material).collect()),
         ("scene.bodies", scene.bodies.iter().map(|set| &set.material).collect()),
         ("scene.inlets", scene.inlets.iter().map(|inlet| &inlet.material).collect()),

@@ -66,6 +66,7 @@ fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geom
         ("cylinder", table.cylinder.is_some()),
         ("sphere", table.sphere.is_some()),
         ("revolved", table.revolved.is_some()),
+        ("extrusion", table.extrusion.is_some()),
     ];
     let kind = findings.only_one(&kinds, "the part's surface", at)?;
     if kind != "file" && table.unit.is_some() {
@@ -101,6 +102,14 @@ fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geom
         "revolved" => {
             let profile = findings.required(&table.revolved.as_ref()?.profile, &key, "profile")?;
             Some(Geometry::Revolved { profile: profile.iter().map(|p| p.map(|x| x.0)).collect() })
+        }
+        "extrusion" => {
+            let table = table.extrusion.as_ref()?;
+            let outline = findings.required(&table.outline, &key, "outline");
+            let axis = findings.required(&table.axis, &key, "axis");
+            let length = findings.positive(&table.length, &key, "length");
+            let outline = outline?.iter().map(|p| p.map(|x| x.0)).collect();
+            Some(Geometry::Extruded { outline, axis: axis?.number(), length: length? })
         }
         _ => {
             let radius = findings.positive(&table.sphere.as_ref()?.radius, &key, "radius");

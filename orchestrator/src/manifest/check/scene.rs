@@ -6,8 +6,8 @@ use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
 use super::polyhedra::Shapes;
 use super::{
-    bodies, domain, fluid, gaps, inlets, materials, parts, placement, plane, probes, seals,
-    surfaces,
+    bodies, domain, drag_bands, fluid, gaps, hoppers, inlets, materials, parts, placement, plane,
+    probes, seals, surfaces,
 };
 use tremie_messages::scene::{BodySet, Domain, Part, Plane, Scene};
 
@@ -16,7 +16,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let fluid = fluid::fluid(table, domain.as_ref(), findings);
     materials::materials(table, findings);
     let planes = planes(&table.planes, findings);
-    let parts = parts::parts(&table.parts, findings);
+    let mut parts = parts::parts(&table.parts, findings);
     let seals = seals::surfaces(&table.surfaces, &table.parts, findings);
     let shapes = Shapes::of(table, domain.as_ref(), findings);
     let mut bodies = bodies::bodies(&table.bodies, &shapes, findings);
@@ -24,7 +24,11 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let unions = bodies::unions(&table.bodies, findings);
     let (inlets, own_sets) = inlets::inlets(table, &mut names, findings);
     bodies.extend(own_sets);
+    let (walls, on_walls) = hoppers::hoppers(table, domain.as_ref(), findings);
+    parts.extend(walls);
+    bodies.extend(on_walls);
     let outlets = inlets::outlets(&table.outlets, domain.as_ref(), &mut names, findings);
+    let drag_bands = drag_bands::drag_bands(table, domain.as_ref(), &mut names, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
     let gaps = gaps::gaps(table, domain.as_ref(), findings);
     if let Some(domain) = &domain {
@@ -55,6 +59,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         bodies: bodies?,
         inlets: inlets?,
         outlets: outlets?,
+        drag_bands: drag_bands?,
         followed: bodies::followed(&table.bodies, findings)?,
         probes: probes?,
         gaps: gaps?,

@@ -1,5 +1,6 @@
 //! The manifest's tables of rigid parts.
 
+use super::AxisName;
 use super::course::{CourseEntry, MotionCourseEntry};
 use super::slider::PartMotionEntry;
 use super::values::FileUnit;
@@ -7,8 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{Angle, AngularVelocity, Length, Pressure, Time, Velocity};
 
-/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder`, `sphere` and
-/// `revolved`.
+/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder`, `sphere`,
+/// `revolved` and `extrusion`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct PartTable {
@@ -27,6 +28,8 @@ pub(in super::super) struct PartTable {
     pub sphere: Option<PartSphereTable>,
     /// A profile turned about the z axis of the part's frame.
     pub revolved: Option<RevolvedTable>,
+    /// A prism along an axis of the part's frame.
+    pub extrusion: Option<ExtrusionTable>,
     /// Where the origin of the part's frame is, of a slider at lift 0 (default: at the world's).
     pub position: Option<[Length; 3]>,
     /// How the part's frame is turned (default: not).
@@ -83,6 +86,19 @@ pub(in super::super) struct RevolvedTable {
     /// cone. The axis closes a profile that begins and ends on it; the last corner and the first
     /// close any other. Required.
     pub profile: Option<Vec<[Length; 2]>>,
+}
+
+/// A prism along an axis, its middle at the origin there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct ExtrusionTable {
+    /// Corners of its section, either way round, in the other two axes in their order: x and y along
+    /// z, x and z along y. No edge may meet another. Required.
+    pub outline: Option<Vec<[Length; 2]>>,
+    /// The axis. Required.
+    pub axis: Option<AxisName>,
+    /// Length along the axis. Required.
+    pub length: Option<Length>,
 }
 
 /// A rotation by the right-hand rule.

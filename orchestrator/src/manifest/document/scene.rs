@@ -1,8 +1,8 @@
 //! The manifest's table of the scene.
 
 use super::{
-    BodiesTable, ContactTable, DomainTable, FluidTable, GapTable, InletTable, MaterialTable,
-    OutletTable, PartTable, ProbeTable, ShapeTable, SurfaceTable,
+    BodiesTable, ContactTable, DomainTable, DragBandTable, FluidTable, GapTable, HopperTable,
+    InletTable, MaterialTable, OutletTable, PartTable, ProbeTable, ShapeTable, SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,9 @@ pub(in super::super) struct SceneTable {
     /// Rigid parts with closed surfaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartTable>,
+    /// Hoppers, which become parts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hoppers: Vec<HopperTable>,
     /// Seals of rubber: surfaces that change their shape, each carried by a part.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<SurfaceTable>,
@@ -43,6 +46,9 @@ pub(in super::super) struct SceneTable {
     /// Where they go to.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outlets: Vec<OutletTable>,
+    /// Boxes in which grains are braked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drag_bands: Vec<DragBandTable>,
     /// Contact laws: of pairs of materials, and of all pairs that no other entry names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactTable>,

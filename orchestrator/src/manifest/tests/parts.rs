@@ -66,8 +66,28 @@ fn a_part_can_be_turned_on_a_lathe() {
 }
 
 #[test]
+fn a_part_can_be_drawn_out_along_an_axis() {
+    let at = "position = [\"50 mm\", \"50 mm\", \"60 mm\"]";
+    let outline = "[[\"0 mm\", \"0 mm\"], [\"5 mm\", \"0 mm\"], [\"0 mm\", \"8 mm\"]]";
+    let with = |rest: &str| format!("extrusion = {{ outline = {outline}{rest} }}\n{at}");
+    let text = with_part(&with(", axis = \"y\", length = \"2 cm\""));
+    let part = &read(&text).unwrap().spec.scene.parts[0];
+    let outline = vec![[0.0, 0.0], [5e-3, 0.0], [0.0, 8e-3]];
+    assert_eq!(part.geometry, Geometry::Extruded { outline, axis: 1, length: 0.02 });
+    reads_back(&text);
+    refused(&with(", axis = \"y\""), &["extrusion.length", "missing"]);
+    refused(&with(", length = \"2 cm\""), &["extrusion.axis", "missing"]);
+    let bow =
+        "[[\"0 mm\", \"0 mm\"], [\"5 mm\", \"5 mm\"], [\"5 mm\", \"0 mm\"], [\"0 mm\", \"8 mm\"]]";
+    refused(
+        &format!("extrusion = {{ outline = {bow}, axis = \"z\", length = \"1 cm\" }}\n{at}"),
+        &["makes no solid", "corners 0 and 2 meet"],
+    );
+}
+
+#[test]
 fn a_wrong_part_is_one_problem() {
-    refused("", &["the part's surface", "file, box, cylinder, sphere, revolved"]);
+    refused("", &["the part's surface", "file, box, cylinder, sphere, revolved, extrusion"]);
     refused(&format!("{BOX}\nsphere = {{ radius = \"1 mm\" }}"), &["found both box and sphere"]);
     refused(&BOX.replace("\"20 mm\"", "\"0 mm\""), &["box.size[1]", "more than zero"]);
     refused(&format!("{BOX}\nunit = \"mm\""), &["only a file has a unit"]);

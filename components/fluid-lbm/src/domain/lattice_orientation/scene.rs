@@ -25,6 +25,8 @@ impl LatticeOrientation {
             unions: Vec::new(),
             inlets: scene.inlets.iter().map(|inlet| self.inlet(inlet)).collect(),
             outlets: scene.outlets.iter().map(|outlet| self.outlet(outlet)).collect(),
+            // They brake grains alone.
+            drag_bands: Vec::new(),
             followed: scene.followed.clone(),
             contacts: scene.contacts.clone(),
             probes: scene.probes.iter().map(|probe| self.probe(probe)).collect(),
