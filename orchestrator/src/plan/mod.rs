@@ -6,6 +6,7 @@
 //! [`Assignment`].
 
 mod checks;
+mod profiles;
 mod report;
 pub mod schedule;
 mod steps;
@@ -149,6 +150,7 @@ pub fn make(
         problems.extend(checks::ports(&spec.scene, &described));
         wiring = wiring.with_ports();
     }
+    problems.extend(checks::profiles(&spec.scene, &described));
     if let Err(error) = schedule::check(&wiring) {
         problems.push(Problem::new("run.schedule", error.to_string()));
     }
@@ -212,10 +214,12 @@ fn assemble(
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
     let room = streams::Room { bodies: body_capacity, vertices };
-    let frames = streams::streams(described, room, |observer| {
-        windows_in(spec.interval(observer), window, steps.windows)
+    let frames = streams::streams(described, room, |observer, content| match content {
+        FrameContent::Profile(name) => profiles::windows_between(spec, name, window, steps.windows),
+        _ => windows_in(spec.interval(observer), window, steps.windows),
     });
     let (volumes, no_nodes) = streams::notes(described, &frames, steps.windows);
+    let (profiles, too_often) = profiles::notes(&spec.scene, window, steps.windows);
     let component = |(index, (spec, description)): (usize, &Described<'_>)| PlannedComponent {
         name: spec.name.clone(),
         role: spec.role,
@@ -261,8 +265,8 @@ fn assemble(
         frames_every,
         signal_rows_every: rows_every,
         components: described.iter().enumerate().map(component).collect(),
-        warnings: described.iter().flat_map(warn).chain(no_nodes).collect(),
-        notes: steps.notes.into_iter().chain(volumes).collect(),
+        warnings: described.iter().flat_map(warn).chain(no_nodes).chain(too_often).collect(),
+        notes: steps.notes.into_iter().chain(volumes).chain(profiles).collect(),
         edges,
         frames,
     }

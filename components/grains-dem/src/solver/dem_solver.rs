@@ -26,6 +26,7 @@ use crate::solver::interaction_context::InteractionContext;
 use crate::solver::neighbour_search::Search;
 use crate::solver::ports::Ports;
 use crate::solver::probes::Probes;
+use crate::solver::profiles::Profiles;
 use crate::solver::substeps::Progress;
 use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
 use crate::walls::wall_forces;
@@ -110,7 +111,7 @@ pub(crate) struct FluidLoads {
 /// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with
 /// walls.
 pub struct GrainsDem {
-    domain: Domain,
+    pub(crate) domain: Domain,
     pub(crate) around: InteractionContext,
     pub(crate) gravity: Vec3,
     pub(crate) population: Population,
@@ -121,6 +122,7 @@ pub struct GrainsDem {
     pub(crate) fluid: FluidLoads,
     survey: Survey,
     pub(crate) probes: Probes,
+    pub(crate) profiles: Profiles,
     /// Inlets and outlets.
     pub(crate) ports: Ports,
 }
@@ -192,6 +194,7 @@ impl GrainsDem {
             fluid: FluidLoads { loaded: false, fluid_impulse: Vec3::zeros(), load_sums },
             survey: Survey::default(),
             probes,
+            profiles: Profiles::default(),
             ports,
         }
     }

@@ -6,8 +6,8 @@ use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
 use super::polyhedra::Shapes;
 use super::{
-    bodies, domain, fluid, gaps, inlets, materials, parts, placement, plane, probes, seals,
-    surfaces,
+    bodies, domain, fluid, gaps, inlets, materials, parts, placement, plane, probes, profiles,
+    seals, surfaces,
 };
 use tremie_messages::scene::{BodySet, Domain, Part, Plane, Scene};
 
@@ -26,6 +26,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     bodies.extend(own_sets);
     let outlets = inlets::outlets(&table.outlets, domain.as_ref(), &mut names, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
+    let profiles = profiles::profiles(table, domain.as_ref(), findings);
     let gaps = gaps::gaps(table, domain.as_ref(), findings);
     if let Some(domain) = &domain {
         plane::check(table, domain, &mut bodies, findings);
@@ -57,6 +58,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         outlets: outlets?,
         followed: bodies::followed(&table.bodies, findings)?,
         probes: probes?,
+        profiles: profiles?,
         gaps: gaps?,
     })
 }

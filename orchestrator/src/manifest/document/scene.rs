@@ -2,7 +2,7 @@
 
 use super::{
     BodiesTable, ContactTable, DomainTable, FluidTable, GapTable, InletTable, MaterialTable,
-    OutletTable, PartTable, ProbeTable, ShapeTable, SurfaceTable,
+    OutletTable, PartTable, ProbeTable, ProfilesTable, ShapeTable, SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,9 @@ pub(in super::super) struct SceneTable {
     /// Where the run measures the flow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<ProbeTable>,
+    /// Tables of what grains do in the bins of a box.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub profiles: Vec<ProfilesTable>,
     /// Gaps that open and close.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<GapTable>,
