@@ -18,6 +18,7 @@ use crate::setup::{check, check_ports};
 use crate::solver::ports::{self, Room};
 use crate::solver::{overlaps, placement};
 use serde::Serialize;
+use tremie_grains_kit::profiles::ProfileSampler;
 use tremie_messages::{Problem, scene::Scene};
 use tremie_team::Team;
 
@@ -140,6 +141,7 @@ impl Parameters {
         let room = ports::room(scene, self, population.bodies(), &parts);
         let capacity = room.capacity;
         let need = Need::of(scene, self, capacity);
+        let of_profiles = ProfileSampler::memory(&scene.profiles, capacity);
         let of_parts = parts.iter().map(|part| part.triangles()).sum::<u64>() * OF_TRIANGLE;
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
@@ -150,7 +152,7 @@ impl Parameters {
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
             room: (!scene.inlets.is_empty()).then_some(room),
-            memory: need.middle() as u64 + of_parts,
+            memory: need.middle() as u64 + of_parts + of_profiles,
             memory_from_to: [need.start as u64, need.dense as u64],
             free_bodies: population.free(),
             smallest_diameter,

@@ -45,6 +45,17 @@ impl ProfileSampler {
         }
     }
 
+    /// Memory of the samplers of some profiles, and of the samples of so many grains [bytes].
+    pub fn memory(profiles: &[GrainProfile], grains: usize) -> u64 {
+        let of_profile = |profile: &GrainProfile| {
+            let is_seen = profile.velocity == ProfileVelocity::Displacement;
+            let places = if is_seen { 2 * grains * size_of::<(u64, [f64; 3])>() } else { 0 };
+            places + profile.bins() * size_of::<BinSums>()
+        };
+        let samples = if profiles.is_empty() { 0 } else { grains * size_of::<GrainSample>() };
+        (samples + profiles.iter().map(of_profile).sum::<usize>()) as u64
+    }
+
     /// Name of the profile.
     pub fn name(&self) -> &str {
         &self.name
