@@ -155,6 +155,8 @@ impl DrawnProfile {
     fn log_bars(&self, stream: &RecordingStream, bins: &[ProfileBin]) -> RecordingStreamResult<()> {
         let along = self.profile.axes[0];
         let middles: Vec<f64> = (0..along.bins).map(|k| self.profile.middle(along, k)).collect();
+        let width = (self.profile.edge(along, 1) - self.profile.edge(along, 0)) as f32;
+        let widths = vec![width; along.bins];
         let axis = streamwise(bins);
         // A bin without grains has no bar.
         let shown = |value: f64| if value.is_finite() { value } else { 0.0 };
@@ -164,7 +166,8 @@ impl DrawnProfile {
                 _ => shown(bin.velocity[axis]),
             };
             let values: Vec<f64> = bins.iter().map(value).collect();
-            let chart = BarChart::new(values).with_abscissa(middles.clone());
+            let chart =
+                BarChart::new(values).with_abscissa(middles.clone()).with_widths(widths.clone());
             stream.log(format!("{}/{quantity}", self.path), &chart)?;
         }
         Ok(())

@@ -131,6 +131,8 @@ fn draw_bar(area: &Area<'_>, values: Range<f64>) -> Result<(), String> {
         .map_err(wrong)?;
     let mut mesh = chart.configure_mesh();
     mesh.disable_mesh().disable_x_axis().y_labels(5).y_label_formatter(&tick);
+    // Else as small as the bar is narrow.
+    mesh.y_label_style(("sans-serif", 10));
     mesh.draw().map_err(wrong)?;
     let step = (values.end - values.start) / STEPS as f64;
     let strips = (0..STEPS).map(|k| {
