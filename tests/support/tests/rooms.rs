@@ -279,7 +279,7 @@ fn a_name_of_a_type_is_unique_in_its_crate() {
                 );
             }
         }
-        assert!(homes.len() > 20, "{component}: {}", homes.len());
+        assert!(homes.len() > 5, "{component}: {}", homes.len());
     }
 }
 

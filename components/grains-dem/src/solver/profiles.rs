@@ -12,13 +12,12 @@ use crate::Vec3;
 use crate::bodies::body_arrays::{BLOCK, Bodies};
 use crate::contact::plane_walls::Wall;
 use crate::neighbours::neighbour_list::{NeighbourList, TOUCHING};
-use crate::solver::dem_solver::GrainsDem;
 use crate::solver::neighbour_search::Contacts;
 use crate::walls::wall_contacts::WallContacts;
 use tremie_grains_kit::profiles::{GrainSample, ProfileSampler};
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
-use tremie_messages::scene::Scene;
-use tremie_team::Cut;
+use tremie_messages::scene::{Domain, Scene};
+use tremie_team::{Cut, Team};
 
 /// The profiles of a run.
 #[derive(Default)]
@@ -31,74 +30,63 @@ pub(crate) struct Profiles {
 }
 
 impl Profiles {
+    /// The profiles of a scene in a run whose windows have a length [s], with room for so many
+    /// grains.
+    pub fn new(scene: &Scene, window: f64, room: usize) -> Self {
+        let of = |profile| ProfileSampler::new(profile, &scene.domain, window, room);
+        Self {
+            samplers: scene.profiles.iter().map(of).collect(),
+            windows: 0,
+            samples: Vec::with_capacity(if scene.profiles.is_empty() { 0 } else { room }),
+        }
+    }
+
     /// True if a sample is due at the end of the window that goes on.
     pub fn are_due(&self) -> bool {
         self.samplers.iter().any(|sampler| sampler.wants(self.windows + 1))
     }
 
-    fn named(&self, name: &str) -> Option<&ProfileSampler> {
-        self.samplers.iter().find(|sampler| sampler.name() == name)
-    }
-}
-
-impl GrainsDem {
-    /// Samples the scene's profiles from now on, in a run whose windows have a length [s].
-    pub fn measure_profiles(&mut self, scene: &Scene, window: f64) {
-        let room = self.ports.capacity.max(self.population.bodies.len());
-        let of = |profile| ProfileSampler::new(profile, &scene.domain, window, room);
-        self.profiles = Profiles {
-            samplers: scene.profiles.iter().map(of).collect(),
-            windows: 0,
-            samples: Vec::with_capacity(if scene.profiles.is_empty() { 0 } else { room }),
-        };
-        self.search.measure_parts(!scene.profiles.is_empty());
-        self.take_profiles();
+    /// Counts a window that has ended.
+    pub fn end_window(&mut self) {
+        self.windows += 1;
     }
 
-    /// True if a table of the profile of a name has ended with the last window; with `is_last` the
-    /// run has, and a table that was begun counts, too.
-    pub fn has_profile(&self, name: &str, is_last: bool) -> bool {
-        let sampler = self.profiles.named(name);
-        sampler.is_some_and(|sampler| sampler.has_table(self.profiles.windows, is_last))
-    }
-
-    /// Writes the table of the profile of a name as it is, one entry for each bin, and tells its
-    /// times and samples; none where there is no such profile.
-    pub fn profile(&self, name: &str, bins: &mut [ProfileBin]) -> ProfileHeader {
-        let sampler = self.profiles.named(name);
-        sampler.map_or_else(ProfileHeader::default, |sampler| sampler.table(bins))
-    }
-
-    /// Ends a window for the profiles.
-    pub(crate) fn sample_profiles(&mut self) {
-        if !self.profiles.samplers.is_empty() {
-            self.profiles.windows += 1;
-            self.take_profiles();
-        }
-    }
-
-    /// Gives the grains to the profiles that want them.
-    fn take_profiles(&mut self) {
-        let window = self.profiles.windows;
-        if !self.profiles.samplers.iter().any(|sampler| sampler.wants(window)) {
+    /// Gives the grains to the profiles that want them at the end of the last window.
+    pub fn take(&mut self, team: &mut Team, seen: &SampledGrains<'_>) {
+        let window = self.windows;
+        if !self.samplers.iter().any(|sampler| sampler.wants(window)) {
             return;
         }
-        self.look_at_grains();
-        let Profiles { samplers, samples, .. } = &mut self.profiles;
+        self.look_at(team, seen);
+        let Self { samplers, samples, .. } = self;
         for sampler in samplers.iter_mut().filter(|sampler| sampler.wants(window)) {
             let are_moved = |sample: &&GrainSample| sample.mass > 0.0;
             sampler.take(window, samples.iter().filter(are_moved).copied());
         }
     }
 
+    /// True if there is a table of the profile of a name, as
+    /// [`GrainsDem::has_profile`](crate::GrainsDem::has_profile) tells.
+    pub fn has_table(&self, name: &str, is_last: bool) -> bool {
+        self.named(name).is_some_and(|sampler| sampler.has_table(self.windows, is_last))
+    }
+
+    /// Writes the table of the profile of a name.
+    pub fn table(&self, name: &str, bins: &mut [ProfileBin]) -> ProfileHeader {
+        self.named(name).map_or_else(ProfileHeader::default, |sampler| sampler.table(bins))
+    }
+
+    fn named(&self, name: &str) -> Option<&ProfileSampler> {
+        self.samplers.iter().find(|sampler| sampler.name() == name)
+    }
+
     /// Writes all bodies by rank; those that forces do not move have no mass.
-    fn look_at_grains(&mut self) {
-        let Self { population, search, around, threads, profiles, domain, .. } = self;
-        let (bodies, contacts, walls) = (&population.bodies, search.contacts(), &around.walls);
-        let samples = &mut profiles.samples;
+    fn look_at(&mut self, team: &mut Team, seen: &SampledGrains<'_>) {
+        let SampledGrains { bodies, contacts, walls, domain } = *seen;
+        let samples = &mut self.samples;
         samples.clear();
         samples.resize(bodies.len(), GrainSample::new(0));
-        threads.team.for_pieces(Cut::every(samples, BLOCK), |b, samples: &mut [GrainSample]| {
+        team.for_pieces(Cut::every(samples, BLOCK), |b, samples: &mut [GrainSample]| {
             for (rank, sample) in (b * BLOCK..).zip(samples) {
                 let slot = bodies.slot[rank] as usize;
                 let (mobility, ball) = (bodies.mobility[slot], &bodies.balls[slot]);
@@ -115,6 +103,14 @@ impl GrainsDem {
             }
         });
     }
+}
+
+/// What profiles see of the grains.
+pub(crate) struct SampledGrains<'a> {
+    pub bodies: &'a Bodies,
+    pub contacts: Contacts<'a>,
+    pub walls: &'a [Wall],
+    pub domain: &'a Domain,
 }
 
 /// Adds the contacts of the body at a place in memory: those with bodies, in the order of their

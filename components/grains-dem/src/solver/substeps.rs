@@ -166,6 +166,7 @@ impl GrainsDem {
             &self.around.bounds,
             duration,
         );
+        self.profiles.end_window();
         self.sample_profiles();
         self.population.events.clear();
         self.pass_ports()
