@@ -17,6 +17,7 @@ mod observers;
 mod outputs;
 mod particle_fluid;
 mod polyhedra;
+mod profiles;
 mod report;
 mod resident;
 mod rubber;

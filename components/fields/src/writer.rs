@@ -130,6 +130,7 @@ impl Observer for Fields {
                 surfaces: true,
                 volumes: Some(parameters.wish()),
                 slices: false,
+                profiles: false,
                 signals: false,
                 log: false,
             },

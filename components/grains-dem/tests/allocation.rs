@@ -3,7 +3,10 @@
 mod common;
 use common::*;
 use tremie_grains_dem::{GrainsDem, Integrator, Parameters};
-use tremie_messages::scene::{Damping, DragBand, Geometry, Motion, Part, PartBoundary, Pose};
+use tremie_messages::scene::{
+    BinnedAxis, Damping, DragBand, Geometry, GrainProfile, Motion, Part, PartBoundary, Pose,
+    ProfileVelocity,
+};
 use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]
@@ -30,11 +33,22 @@ fn a_substep_allocates_nothing() {
         max: [6e-3, 6e-3, 2e-3],
         terminal_speed: 0.1,
     }];
+    scene.profiles = vec![GrainProfile {
+        name: "seen".into(),
+        axes: vec![BinnedAxis { axis: 0, bins: 3 }, BinnedAxis { axis: 2, bins: 10 }],
+        min: [0.0; 3],
+        max: [6e-3, 6e-3, 10e-3],
+        from: 0.0,
+        every: Some(4.0 * 6e-6),
+        average: Some(12.0 * 6e-6),
+        velocity: ProfileVelocity::Displacement,
+    }];
     for integrator in [Integrator::Verlet, Integrator::Heun, Integrator::Chen] {
         let parameters = Parameters { integrator, ..Parameters::default() };
         let mut dem = GrainsDem::new(&scene, &parameters, 2e-6, 2).unwrap();
         assert!(dem.body_count() > 512);
         dem.advance(8_000, &[]).unwrap();
+        dem.measure_profiles(&scene, 6e-6);
         let mut loads = vec![tremie_messages::Load::default(); dem.body_count()];
         for (id, load) in (0..).zip(&mut loads) {
             load.id = id;

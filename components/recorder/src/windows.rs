@@ -40,7 +40,9 @@ impl Progress {
                 FrameContent::Surfaces => Stream::Surfaces(from),
                 FrameContent::Slice(name) => Stream::Cut(from, name.clone()),
                 FrameContent::Signals(_) => Stream::Signals(from),
-                FrameContent::Log | FrameContent::Volume(_) => return None,
+                FrameContent::Log | FrameContent::Volume(_) | FrameContent::Profile(_) => {
+                    return None;
+                }
             };
             Some((stream, (frame.every.max(1), 0)))
         });

@@ -4,7 +4,9 @@
 use crate::context::Context;
 use crate::stop::Stop;
 use tremie_channels::{ChannelError, ChannelMedium, ChannelSpec, Ringer, Sender};
-use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, SurfaceSample, VolumeHeader};
+use tremie_messages::frame::{
+    BodySample, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+};
 use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
 use tremie_messages::units::wait;
 use tremie_messages::{BodyEvent, BodyState, Stamp};
@@ -15,6 +17,7 @@ enum Stream<S: ChannelMedium> {
     Surfaces(Sender<S, Stamp, SurfaceSample>),
     Slice(String, Sender<S, SliceHeader, SliceNode>),
     Volume(VolumeGrid, Sender<S, VolumeHeader, SliceNode>),
+    Profile(String, Sender<S, ProfileHeader, ProfileBin>),
     Signals(Sender<S, Stamp, f64>),
 }
 
@@ -58,6 +61,14 @@ pub trait FrameSource {
     fn volume(&mut self, _grid: &VolumeGrid, _nodes: &mut [SliceNode]) -> VolumeHeader {
         VolumeHeader::default()
     }
+    /// True if there is a table of a profile to send; with `is_last` also one that goes on.
+    fn has_profile(&self, _name: &str, _is_last: bool) -> bool {
+        false
+    }
+    /// That table.
+    fn profile(&mut self, _name: &str, _bins: &mut [ProfileBin]) -> ProfileHeader {
+        ProfileHeader::default()
+    }
 }
 
 impl<S: ChannelMedium> Frames<S> {
@@ -81,6 +92,9 @@ impl<S: ChannelMedium> Frames<S> {
                 }
                 FrameContent::Volume(grid) => {
                     Stream::Volume(grid.clone(), open.sender_with_patience(spec, patience)?)
+                }
+                FrameContent::Profile(name) => {
+                    Stream::Profile(name.clone(), open.sender_with_patience(spec, patience)?)
                 }
                 FrameContent::Signals(_) => {
                     Stream::Signals(open.sender_with_patience(spec, patience)?)
@@ -117,7 +131,7 @@ impl<S: ChannelMedium> Frames<S> {
         signals: &[f64],
     ) {
         for index in 0..self.outlets.len() {
-            if context.window.is_multiple_of(self.outlets[index].plan.every) {
+            if self.outlets[index].is_due(context.window, shown) {
                 self.send_one(index, context, shown, signals);
             }
         }
@@ -132,7 +146,8 @@ impl<S: ChannelMedium> Frames<S> {
         signals: &[f64],
     ) {
         for index in 0..self.outlets.len() {
-            if self.outlets[index].sent != Some(context.window) {
+            let outlet = &self.outlets[index];
+            if outlet.sent != Some(context.window) && outlet.has_last(shown) {
                 self.send_one(index, context, shown, signals);
             }
         }
@@ -167,6 +182,23 @@ impl<S: ChannelMedium> Frames<S> {
 }
 
 impl<S: ChannelMedium> Outlet<S> {
+    /// True if a frame is due at the end of a window. A table of a profile is when it has ended; one
+    /// without samples, of the start exchange, lets the observer's end of the channel begin.
+    fn is_due(&self, window: u64, shown: &impl FrameSource) -> bool {
+        match &self.stream {
+            Stream::Profile(name, _) => window == 0 || shown.has_profile(name, false),
+            _ => window.is_multiple_of(self.plan.every),
+        }
+    }
+
+    /// True if the run's last window has a frame, though none was due.
+    fn has_last(&self, shown: &impl FrameSource) -> bool {
+        match &self.stream {
+            Stream::Profile(name, _) => shown.has_profile(name, true),
+            _ => true,
+        }
+    }
+
     fn send(
         &self,
         stamp: Stamp,
@@ -189,6 +221,11 @@ impl<S: ChannelMedium> Outlet<S> {
                 let mut loan = sender.loan(self.plan.capacity as usize)?;
                 let header = shown.volume(grid, loan.values());
                 loan.send(VolumeHeader { stamp, ..header })
+            }
+            Stream::Profile(name, sender) => {
+                let mut loan = sender.loan(self.plan.capacity as usize)?;
+                let header = shown.profile(name, loan.values());
+                loan.send(ProfileHeader { stamp, ..header })
             }
             Stream::Bodies(sender) => {
                 let (mut states, mut kinds) = (Vec::new(), Vec::new());

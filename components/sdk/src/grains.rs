@@ -15,6 +15,7 @@ use crate::stop::Stop;
 use crate::substep_coupling::{Sizes, SubstepCoupling};
 use std::marker::PhantomData;
 use tremie_channels::{ChannelMedium, Received};
+use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Role, Stamp};
@@ -62,6 +63,14 @@ impl<S: ChannelMedium, G: Grains> FrameSource for GrainsPlayer<S, G> {
         states.resize(self.grains.count(), BodyState::at_rest(0, [0.0; 3]));
         self.grains.state(states);
         kinds.extend_from_slice(&self.kinds);
+    }
+
+    fn has_profile(&self, name: &str, is_last: bool) -> bool {
+        self.grains.has_profile(name, is_last)
+    }
+
+    fn profile(&mut self, name: &str, bins: &mut [ProfileBin]) -> ProfileHeader {
+        self.grains.profile(name, bins)
     }
 }
 

@@ -11,9 +11,10 @@ use crate::stop::Stop;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
-use tremie_channels::{ChannelMedium, Receiver};
+use tremie_channels::{ChannelError, ChannelMedium, Receiver};
 use tremie_messages::frame::{
-    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
+    VolumeHeader,
 };
 use tremie_messages::start::{
     Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Reply,
@@ -30,6 +31,7 @@ enum FrameReceiver<S: ChannelMedium> {
     Surfaces(Receiver<S, Stamp, SurfaceSample>),
     Slice(Receiver<S, SliceHeader, SliceNode>),
     Volume(Receiver<S, VolumeHeader, SliceNode>),
+    Profile(Receiver<S, ProfileHeader, ProfileBin>),
     Signals(Receiver<S, Stamp, f64>),
     Log(Receiver<S, LogHeader, u8>),
 }
@@ -163,6 +165,7 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
             FrameContent::Surfaces => FrameReceiver::Surfaces(attachment.receiver(spec)?),
             FrameContent::Slice(_) => FrameReceiver::Slice(attachment.receiver(spec)?),
             FrameContent::Volume(_) => FrameReceiver::Volume(attachment.receiver(spec)?),
+            FrameContent::Profile(_) => FrameReceiver::Profile(attachment.receiver(spec)?),
             FrameContent::Signals(_) => FrameReceiver::Signals(attachment.receiver(spec)?),
             FrameContent::Log => FrameReceiver::Log(attachment.receiver(spec)?),
         };
@@ -188,8 +191,11 @@ impl<S: ChannelMedium> Inlet<S> {
         };
         context.window = stamp.window;
         if self.plan.content != FrameContent::Log {
+            let is_profile = matches!(self.plan.content, FrameContent::Profile(_));
             let step = self.before.map_or(0, |before| stamp.window.saturating_sub(before));
-            self.lost += (step / self.plan.every.max(1)).saturating_sub(1);
+            // Tables end when they do.
+            let skipped = (step / self.plan.every.max(1)).saturating_sub(1);
+            self.lost += if is_profile { 0 } else { skipped };
             self.before = Some(stamp.window);
         }
         Ok(true)
@@ -200,9 +206,21 @@ impl<S: ChannelMedium> Inlet<S> {
         observer: &mut O,
         context: &Context<S>,
     ) -> Result<Option<Stamp>, Stop> {
-        let clock = &context.assignment.clock;
+        match self.take(observer, &context.assignment.clock)? {
+            None => Ok(None),
+            Some((stamp, Ok(()))) => Ok(Some(stamp)),
+            Some((_, Err(error))) => Err(wrong(context, error)),
+        }
+    }
+
+    /// Shows the observer the next frame, if one has arrived: its stamp, and what the observer said.
+    fn take<O: Observer>(
+        &self,
+        observer: &mut O,
+        clock: &Clock,
+    ) -> Result<Option<(Stamp, Result<(), ObserverError>)>, ChannelError> {
         let from = &self.plan.from;
-        let shown = match (&self.input, &self.plan.content) {
+        Ok(match (&self.input, &self.plan.content) {
             (FrameReceiver::Bodies(receiver), _) => receiver.take()?.map(|message| {
                 let at = moment(clock, *message.header());
                 (at.stamp, observer.bodies(from, at, message.values()))
@@ -224,6 +242,16 @@ impl<S: ChannelMedium> Inlet<S> {
                     (at.stamp, observer.volume(from, name, at, header, message.values()))
                 })
             }
+            (FrameReceiver::Profile(receiver), FrameContent::Profile(name)) => {
+                receiver.take()?.map(|message| {
+                    let (header, at) = (message.header(), moment(clock, message.header().stamp));
+                    let shown = match header.samples {
+                        0 => Ok(()),
+                        _ => observer.profile(from, name, at, header, message.values()),
+                    };
+                    (at.stamp, shown)
+                })
+            }
             (FrameReceiver::Signals(receiver), FrameContent::Signals(names)) => {
                 receiver.take()?.map(|message| {
                     let at = moment(clock, *message.header());
@@ -236,12 +264,7 @@ impl<S: ChannelMedium> Inlet<S> {
                 (at.stamp, observer.log(at, message.header(), &text))
             }),
             _ => None,
-        };
-        match shown {
-            None => Ok(None),
-            Some((stamp, Ok(()))) => Ok(Some(stamp)),
-            Some((_, Err(error))) => Err(wrong(context, error)),
-        }
+        })
     }
 }
 

@@ -5,7 +5,8 @@ use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 use tremie_messages::frame::{
-    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
+    VolumeHeader,
 };
 use tremie_messages::start::{Description, Signal};
 use tremie_messages::{Problem, Stamp};
@@ -134,6 +135,19 @@ pub trait Observer: Sized {
         _at: Moment,
         _header: &VolumeHeader,
         _nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    /// A table of a profile of grains, when it has ended: a bin for each of the scene's profile of
+    /// that name. Comes only to observers that ask for profiles.
+    fn profile(
+        &mut self,
+        _from: &str,
+        _name: &str,
+        _at: Moment,
+        _header: &ProfileHeader,
+        _bins: &[ProfileBin],
     ) -> Result<(), ObserverError> {
         Ok(())
     }

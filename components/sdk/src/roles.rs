@@ -1,7 +1,7 @@
 //! Traits of physics components: one trait a role, with as few methods as the physics allows.
 
 use crate::setup::Setup;
-use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::frame::{ProfileBin, ProfileHeader, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::scene::{BodySet, Placement};
 use tremie_messages::start::{Description, VolumeGrid};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
@@ -240,6 +240,18 @@ pub trait Grains: Sized {
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {
         self.count() as u64
+    }
+
+    /// True if a table of the scene's profile of that name, one of the description's, has ended with
+    /// the last window; with `is_last` the run has ended with it, and a table that was begun counts.
+    fn has_profile(&self, _name: &str, _is_last: bool) -> bool {
+        false
+    }
+
+    /// Fills the bins of that table, and tells its times and samples; the sdk sets the stamp.
+    /// Before the first window it has no samples.
+    fn profile(&mut self, _name: &str, _bins: &mut [ProfileBin]) -> ProfileHeader {
+        ProfileHeader::default()
     }
 
     /// States of the parts that carry the scene's deformable surfaces, as they are now, one for

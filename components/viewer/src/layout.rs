@@ -2,6 +2,7 @@
 
 use crate::blueprint::{Container, Part, View};
 use crate::legend::{HEIGHT, Legend, SPEED, STRAIN, WIDTH};
+use crate::profiles::ProfileView;
 use crate::signals::Plot;
 use crate::view::{Eye, single};
 use rerun::blueprint::components::{
@@ -38,6 +39,8 @@ pub struct Shown<'a> {
     pub overview: Eye,
     /// Cuts seen so far.
     pub cuts: &'a [CutView],
+    /// Profiles of grains.
+    pub profiles: &'a [ProfileView],
     /// True if there are streamlines.
     pub streamlines: bool,
     /// True if there is rubber, coloured by strain.
@@ -55,7 +58,8 @@ pub fn layout(shown: &Shown<'_>) -> Container {
         .with(legends(shown.rubber), 1.0);
     let words = |name: &str, path| View::new("TextDocument", name, path);
     let words = [words("About this run", "about"), words("Signals", "about/signals")];
-    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(words));
+    let profiles = shown.profiles.iter().map(profile);
+    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(profiles).chain(words));
     let mut right = Container::new(ContainerKind::Vertical, "Run").with(pictures, 5.0);
     for part in plot_parts(shown.plots, shown.end) {
         right = right.with(part, 3.0);
@@ -67,7 +71,8 @@ pub fn layout(shown: &Shown<'_>) -> Container {
 /// The scene with streamlines, where there are any, and behind it with cuts, which hide what is
 /// behind them.
 fn scenes(shown: &Shown<'_>) -> Part {
-    let without = |what: &str| vec!["+ /scene/**".to_string(), format!("- /scene/{what}/**")];
+    let hidden = |what: &str| format!("- /scene/{what}/**");
+    let without = |what: &str| vec!["+ /scene/**".to_string(), hidden("profiles"), hidden(what)];
     let with_cuts = |name| space(name, shown.overview, without("streamlines"));
     if !shown.streamlines {
         return with_cuts("Scene").into();
@@ -108,6 +113,13 @@ fn space(name: &str, eye: Eye, contents: Vec<String>) -> View {
 
 fn cut(cut: &CutView) -> View {
     space(&cut.name, cut.eye, vec![format!("/{}/**", cut.path)])
+}
+
+fn profile(view: &ProfileView) -> View {
+    match view {
+        ProfileView::Sheet { name, path, eye } => space(name, *eye, vec![format!("/{path}/**")]),
+        ProfileView::Bars { name, path } => View::new("BarChart", name.as_str(), path),
+    }
 }
 
 fn legends(rubber: bool) -> Part {

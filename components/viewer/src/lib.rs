@@ -57,6 +57,7 @@ mod page;
 mod parameters;
 mod parts;
 mod patch;
+mod profiles;
 mod rubber;
 pub mod scale;
 mod section;

@@ -170,6 +170,7 @@ impl Parameters {
         let wish = VolumeWish { most_nodes: Some(self.volume_nodes), ..VolumeWish::default() };
         Watches {
             surfaces: true,
+            profiles: !scene.profiles.is_empty(),
             slices: self.cuts && self.slices.is_empty(),
             volumes: volumes.then_some(wish),
             ..Watches::default()

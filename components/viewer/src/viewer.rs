@@ -7,6 +7,7 @@ use crate::flow::Flow;
 use crate::layout::{CutView, Shown, layout};
 use crate::parameters::Parameters;
 use crate::parts::{self, Parts};
+use crate::profiles::Profiles;
 use crate::rubber::{self, Rubber};
 use crate::scale::{Map, Scale};
 use crate::session::Session;
@@ -20,7 +21,8 @@ use rerun::{
 use std::collections::{BTreeMap, BTreeSet};
 use tremie_geometry::Vec3;
 use tremie_messages::frame::{
-    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
+    VolumeHeader,
 };
 use tremie_messages::scene::Scene;
 use tremie_messages::start::{Description, FrameContent, Signal};
@@ -53,6 +55,7 @@ pub struct Viewer {
     solids: Solids,
     parts: Parts,
     rubber: Rubber,
+    profiles: Profiles,
     cuts: BTreeMap<(String, String), Cut>,
     flows: BTreeMap<(String, String), Flow>,
     /// True if there is a view of streamlines.
@@ -112,9 +115,11 @@ impl Viewer {
             eye: cut.eye(self.up, self.overview.position),
         };
         let cuts: Vec<_> = self.cuts.iter().map(view).collect();
+        let profiles = self.profiles.views(self.up, self.overview.position);
         let shown = Shown {
             overview: self.overview,
             cuts: &cuts,
+            profiles: &profiles,
             streamlines: self.streamlines,
             rubber: !self.rubber.is_empty(),
             plots: &self.plots,
@@ -199,6 +204,7 @@ impl Observer for Viewer {
         recording.set_time_sequence(WINDOW, 0);
         let parts = drawn(Parts::open(recording, scene, &meshes))?;
         let frames = setup.assignment.as_ref().map_or(&[][..], |assignment| &assignment.frames);
+        let profiles = drawn(Profiles::open(recording, scene, frames))?;
         let expected = scene.fluid.as_ref().and_then(|fluid| fluid.expected_speed);
         let words = TextDocument::new(signals::meanings(frames));
         let words = words.with_media_type(MediaType::MARKDOWN);
@@ -213,6 +219,7 @@ impl Observer for Viewer {
             solids: Solids::new(scene),
             parts,
             rubber,
+            profiles,
             cuts: BTreeMap::new(),
             flows: BTreeMap::new(),
             streamlines: parameters.streamlines_in(scene) > 0
@@ -296,6 +303,18 @@ impl Observer for Viewer {
             Some(flow) => drawn(flow.log(self.session.recording(), &field, &self.scale)),
             None => Ok(()),
         }
+    }
+
+    fn profile(
+        &mut self,
+        _from: &str,
+        name: &str,
+        at: Moment,
+        _header: &ProfileHeader,
+        bins: &[ProfileBin],
+    ) -> Result<(), ObserverError> {
+        self.set_time(at);
+        drawn(self.profiles.log(self.session.recording(), name, bins))
     }
 
     fn signals(

@@ -8,11 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use tremie_geometry::Turned;
 use tremie_messages::frame::{
-    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
+    VolumeHeader,
 };
 use tremie_messages::scene::{
-    BodySet, DeformableSurface, Diameters, Domain, Face, FluidMaterial, Geometry, Motion, Packing,
-    Part, PartBoundary, Placement, Pose, Scene,
+    BinnedAxis, BodySet, DeformableSurface, Diameters, Domain, Face, FluidMaterial, Geometry,
+    GrainProfile, Motion, Packing, Part, PartBoundary, Placement, Pose, ProfileVelocity, Scene,
 };
 use tremie_messages::start::{Clock, FrameContent, FrameStream, Signal, VolumeGrid};
 use tremie_messages::{BodyEvent, BodyState, Stamp, SurfaceVertex};
@@ -413,6 +414,53 @@ fn rubber_is_drawn_as_far_as_the_mirror_with_its_own_scale() {
     let vertices = vec![2 * 4 * 7 + 2 * 4; 70];
     assert_eq!(lengths(&path, entity, "vertex_positions"), vertices);
     assert_eq!(lengths(&path, entity, "vertex_colors"), vertices);
+}
+
+#[test]
+fn profiles_are_bars_and_sheets() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.rrd");
+    let mut setup = setup(folder.path(), serde_json::json!({"mode": "file", "file": path}));
+    assert!(!Viewer::describe(&setup).unwrap().watches.profiles, "there are none");
+    let profile = |name: &str, axes: &[(usize, usize)]| GrainProfile {
+        name: name.into(),
+        axes: axes.iter().map(|&(axis, bins)| BinnedAxis { axis, bins }).collect(),
+        min: [0.0; 3],
+        max: SIZE,
+        from: 0.0,
+        every: None,
+        average: None,
+        velocity: ProfileVelocity::Instantaneous,
+    };
+    setup.hello.scene.profiles =
+        vec![profile("height", &[(2, 7)]), profile("plane", &[(0, 5), (2, 3)])];
+    assert!(Viewer::describe(&setup).unwrap().watches.profiles);
+    let sent = ["height", "plane"].map(|name| FrameContent::Profile(name.into()));
+    let frames = sent.map(|content| stream("grains", "viewer", content));
+    setup.assignment.as_mut().unwrap().frames.extend(frames);
+    let mut viewer = Viewer::open(&setup).unwrap();
+    for frame in 1..=4 {
+        for (name, bins) in [("height", 7), ("plane", 15)] {
+            let bin = |k: usize| ProfileBin {
+                solid_fraction: 0.04 * (k * frame as usize % 16) as f64,
+                velocity: [f64::NAN; 3],
+                ..ProfileBin::default()
+            };
+            let bins: Vec<_> = (0..bins).map(bin).collect();
+            let header = ProfileHeader::default();
+            viewer.profile("grains", name, moment(frame), &header, &bins).unwrap();
+        }
+    }
+    viewer.close(40).unwrap();
+    drop(viewer);
+    let found = entities(&path);
+    for quantity in ["solid_fraction", "velocity"] {
+        assert_eq!(found[&format!("/profiles/height/{quantity}")].0, 4);
+    }
+    let sheet = "/scene/profiles/plane";
+    assert_eq!(lengths(&path, sheet, "vertex_positions"), [4 * 15]);
+    assert_eq!(lengths(&path, sheet, "triangle_indices"), [2 * 15]);
+    assert_eq!(lengths(&path, sheet, "vertex_colors"), [4 * 15; 4]);
 }
 
 #[test]

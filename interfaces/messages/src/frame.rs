@@ -98,6 +98,98 @@ impl SliceNode {
     }
 }
 
+/// A table of a profile of grains ([`crate::scene::GrainProfile`]): its time and its samples. The
+/// payload has a [`ProfileBin`] for each bin.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProfileHeader {
+    /// Time and window of its end.
+    pub stamp: Stamp,
+    /// Simulated time at which its average begins [s]; its first sample comes an interval later.
+    pub begin: f64,
+    /// Simulated time of its last sample [s].
+    pub end: f64,
+    /// Number of samples.
+    pub samples: u64,
+}
+
+/// Means over the grains whose centres lie in a bin of a profile, and over the samples of a table.
+/// 176 bytes.
+///
+/// Grains that forces move count; those at rest or of a given motion are walls. Stresses are
+/// positive under compression, and have the components xx, yy, zz, yz, zx, xy.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProfileBin {
+    /// Number of centres, mean over the samples [1].
+    pub grains: f64,
+    /// Volume of the grains over that of the bin [1].
+    pub solid_fraction: f64,
+    /// Mean velocity, by mass [m/s]; not a number in a bin without grains.
+    pub velocity: [f64; 3],
+    /// Standard deviation of each component of the velocities about this mean, over the grains and
+    /// over time, by mass [m/s]; not a number in a bin without grains.
+    pub fluctuation: [f64; 3],
+    /// Granular temperature: mean of the squares of the fluctuations, in a plane scene of the two
+    /// in the plane [m²/s²]; not a number in a bin without grains.
+    pub temperature: f64,
+    /// Coordination number: mean number of contacts of a grain, those with walls and parts
+    /// included [1]; not a number in a bin without grains.
+    pub coordination: f64,
+    /// Contact stress: sum of the products of the vectors from centres to contacts and the forces
+    /// on the grains, made symmetric, over the bin's volume [Pa].
+    pub contact_stress: [f64; 6],
+    /// Kinetic stress: density of the grains in the bin times the covariance of their velocities
+    /// [Pa].
+    pub kinetic_stress: [f64; 6],
+}
+
+impl ProfileBin {
+    /// Names and SI units of its values, in the order of [`ProfileBin::values`].
+    pub const COLUMNS: [(&'static str, &'static str); 22] = [
+        ("grains", "1"),
+        ("solid_fraction", "1"),
+        ("velocity_x", "m/s"),
+        ("velocity_y", "m/s"),
+        ("velocity_z", "m/s"),
+        ("fluctuation_x", "m/s"),
+        ("fluctuation_y", "m/s"),
+        ("fluctuation_z", "m/s"),
+        ("temperature", "m2/s2"),
+        ("coordination", "1"),
+        ("contact_stress_xx", "Pa"),
+        ("contact_stress_yy", "Pa"),
+        ("contact_stress_zz", "Pa"),
+        ("contact_stress_yz", "Pa"),
+        ("contact_stress_zx", "Pa"),
+        ("contact_stress_xy", "Pa"),
+        ("kinetic_stress_xx", "Pa"),
+        ("kinetic_stress_yy", "Pa"),
+        ("kinetic_stress_zz", "Pa"),
+        ("kinetic_stress_yz", "Pa"),
+        ("kinetic_stress_zx", "Pa"),
+        ("kinetic_stress_xy", "Pa"),
+    ];
+
+    /// Its values, in the order of [`ProfileBin::COLUMNS`].
+    pub fn values(&self) -> [f64; 22] {
+        let mut values = [0.0; 22];
+        let groups: [&[f64]; 7] = [
+            &[self.grains, self.solid_fraction],
+            &self.velocity,
+            &self.fluctuation,
+            &[self.temperature],
+            &[self.coordination],
+            &self.contact_stress,
+            &self.kinetic_stress,
+        ];
+        for (to, from) in values.iter_mut().zip(groups.into_iter().flatten()) {
+            *to = *from;
+        }
+        values
+    }
+}
+
 /// A line of the run's log, the text as payload in UTF-8.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,6 +228,14 @@ unsafe impl Message for VolumeHeader {
 // SAFETY: six words of 4 bytes, no padding.
 unsafe impl Message for SliceNode {
     const TYPE_NAME: &'static str = "tremie.SliceNode.2";
+}
+// SAFETY: 40 bytes, then three words, no padding.
+unsafe impl Message for ProfileHeader {
+    const TYPE_NAME: &'static str = "tremie.ProfileHeader.1";
+}
+// SAFETY: 22 words, no padding.
+unsafe impl Message for ProfileBin {
+    const TYPE_NAME: &'static str = "tremie.ProfileBin.1";
 }
 // SAFETY: 40 bytes and a word, no padding.
 unsafe impl Message for LogHeader {

@@ -1,5 +1,6 @@
 //! Curves and marks in a chart, drawn as SVG.
 
+use crate::colour_map::ColourMap;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
@@ -158,7 +159,7 @@ impl Chart {
 }
 
 /// The number at a tick: without the digits that rounding left, and 0 without a sign.
-fn tick(value: &f64) -> String {
+pub(crate) fn tick(value: &f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9 + 0.0)
 }
 
@@ -181,21 +182,50 @@ const PANEL: (u32, u32) = (560, 340);
 const HEAD: u32 = 36;
 /// Panels side by side.
 const PANELS_ABREAST: usize = 3;
+
+/// A panel of a sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SheetPanel {
+    /// Curves and marks.
+    Chart(Chart),
+    /// A coloured map.
+    Map(ColourMap),
+}
+
+impl SheetPanel {
+    /// Draws it.
+    fn draw(&self, area: &Area<'_>) -> Result<(), String> {
+        match self {
+            Self::Chart(chart) => chart.draw(area),
+            Self::Map(map) => map.draw(area),
+        }
+    }
+}
+
 /// Draws charts under a title, as SVG.
 ///
 /// # Errors
 /// A sentence, if they cannot be drawn or written.
 pub fn draw_sheet(charts: &[Chart], title: &str, path: &Path) -> Result<(), String> {
+    let panels: Vec<_> = charts.iter().cloned().map(SheetPanel::Chart).collect();
+    draw_panels(&panels, title, path)
+}
+
+/// Draws panels under a title, as SVG.
+///
+/// # Errors
+/// A sentence, if they cannot be drawn or written.
+pub fn draw_panels(panels: &[SheetPanel], title: &str, path: &Path) -> Result<(), String> {
     let said = |error: &dyn std::fmt::Display| error.to_string();
-    let columns = charts.len().clamp(1, PANELS_ABREAST);
-    let rows = charts.len().div_ceil(columns);
+    let columns = panels.len().clamp(1, PANELS_ABREAST);
+    let rows = panels.len().div_ceil(columns);
     let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + HEAD);
     let sheet = SVGBackend::new(path, size).into_drawing_area();
     sheet.fill(&WHITE).map_err(|error| said(&error))?;
     let (head, body) = sheet.split_vertically(HEAD);
     head.titled(title, ("sans-serif", 22)).map_err(|error| said(&error))?;
-    for (chart, area) in charts.iter().zip(body.split_evenly((rows, columns))) {
-        chart.draw(&area)?;
+    for (panel, area) in panels.iter().zip(body.split_evenly((rows, columns))) {
+        panel.draw(&area)?;
     }
     sheet.present().map_err(|error| said(&error))
 }

@@ -151,7 +151,7 @@ fn names(record: &csv::ByteRecord) -> Result<Vec<(String, String)>, String> {
 }
 
 /// `fluid.mass [kg]` as its name and its unit.
-fn name_and_unit(head: &str) -> (String, String) {
+pub(crate) fn name_and_unit(head: &str) -> (String, String) {
     let (name, unit) = head.split_once(" [").unwrap_or((head, "1]"));
     (name.into(), unit.trim_end_matches(']').into())
 }

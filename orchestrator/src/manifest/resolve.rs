@@ -141,6 +141,10 @@ impl Document {
         for inlet in &mut scene.inlets {
             fill_inlet(inlet, self.run.seed, &scene.materials);
         }
+        for profile in &mut scene.profiles {
+            profile.from.get_or_insert(Time(0.0));
+            profile.velocity.get_or_insert_default();
+        }
         for law in &mut scene.contacts {
             law.hertz.get_or_insert(false);
             law.friction.get_or_insert(if law.chen.is_some() { 0.3 } else { 0.0 });
@@ -282,6 +286,6 @@ fn fill_component(name: &str, entry: &mut ComponentEntry) {
 /// Role of a component, where its name says it.
 fn role_by_name(name: &str) -> Option<Role> {
     let of_physics = Role::PHYSICS.into_iter().find(|role| role.name() == name);
-    let is_observer = matches!(name, "viewer" | "recorder" | "fields");
+    let is_observer = matches!(name, "viewer" | "recorder" | "fields" | "profiles");
     of_physics.or(is_observer.then_some(Role::Observer))
 }

@@ -172,5 +172,5 @@ pub(super) fn stem(program: &str) -> &str {
 
 /// Files shall have every frame; a viewer shows the newest.
 pub(super) fn is_lossless_by_default(program: &str) -> bool {
-    matches!(stem(program), "recorder" | "fields")
+    matches!(stem(program), "recorder" | "fields" | "profiles")
 }

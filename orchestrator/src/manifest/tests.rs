@@ -11,6 +11,7 @@ mod lattice;
 mod parts;
 mod planes;
 mod polyhedra;
+mod profiles;
 mod seals;
 
 /// A manifest that is right; tests break one line of it.

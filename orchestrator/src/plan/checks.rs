@@ -88,6 +88,28 @@ pub(super) fn ports(scene: &Scene, described: &[Described<'_>]) -> Vec<Problem> 
     of_face.map(problem).collect()
 }
 
+/// Profiles need grains that measure them.
+pub(super) fn profiles(scene: &Scene, described: &[Described<'_>]) -> Vec<Problem> {
+    let is_known = |name: &str| {
+        described.iter().any(|(_, d)| d.profiles.iter().any(|profile| profile.name == name))
+    };
+    let grains = described.iter().find(|(component, _)| component.role == Role::Grains);
+    let (message, help) = match grains {
+        Some((component, grains)) => (
+            format!("{}, the run's {}, measures no profiles", grains.program, component.name),
+            "leave out the profiles, or take another program for the grains, as \"grains-dem\"",
+        ),
+        None => (
+            "nobody measures this profile: there is no component with the role grains".into(),
+            "add grains = \"grains-dem\" to [components]",
+        ),
+    };
+    let unknown = scene.profiles.iter().enumerate().filter(|(_, profile)| !is_known(&profile.name));
+    unknown
+        .map(|(i, _)| Problem::new(format!("scene.profiles[{i}]"), message.clone()).help(help))
+        .collect()
+}
+
 fn suggest(problem: Problem, word: &str, known: &[&str], what: &str) -> Problem {
     match nearest(word, known) {
         Some(near) => problem.help(format!("did you mean \"{near}\"?")),

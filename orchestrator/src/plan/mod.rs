@@ -6,6 +6,7 @@
 //! [`Assignment`].
 
 mod checks;
+mod profiles;
 mod report;
 pub mod schedule;
 mod steps;
@@ -149,6 +150,7 @@ pub fn make(
         problems.extend(checks::ports(&spec.scene, &described));
         wiring = wiring.with_ports();
     }
+    problems.extend(checks::profiles(&spec.scene, &described));
     if let Err(error) = schedule::check(&wiring) {
         problems.push(Problem::new("run.schedule", error.to_string()));
     }
@@ -212,10 +214,10 @@ fn assemble(
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
     let room = streams::Room { bodies: body_capacity, vertices };
-    let frames = streams::streams(described, room, |observer| {
-        windows_in(spec.interval(observer), window, steps.windows)
+    let frames = streams::streams(described, room, |observer, content| {
+        frame_windows(spec, (observer, content), window, steps.windows)
     });
-    let (volumes, no_nodes) = streams::notes(described, &frames, steps.windows);
+    let (notes, more_warnings) = notes(spec, described, &frames, &steps);
     let component = |(index, (spec, description)): (usize, &Described<'_>)| PlannedComponent {
         name: spec.name.clone(),
         role: spec.role,
@@ -261,11 +263,38 @@ fn assemble(
         frames_every,
         signal_rows_every: rows_every,
         components: described.iter().enumerate().map(component).collect(),
-        warnings: described.iter().flat_map(warn).chain(no_nodes).collect(),
-        notes: steps.notes.into_iter().chain(volumes).collect(),
+        warnings: described.iter().flat_map(warn).chain(more_warnings).collect(),
+        notes: steps.notes.into_iter().chain(notes).collect(),
         edges,
         frames,
     }
+}
+
+/// Windows between frames of a content to an observer.
+fn frame_windows(
+    spec: &Spec,
+    (observer, content): (&ComponentSpec, &FrameContent),
+    window: f64,
+    windows: u64,
+) -> u64 {
+    match content {
+        FrameContent::Profile(name) => profiles::windows_between(spec, name, window, windows),
+        _ => windows_in(spec.interval(observer), window, windows),
+    }
+}
+
+/// Notes on what observers get, and warnings for what they wish and do not.
+fn notes(
+    spec: &Spec,
+    described: &[Described<'_>],
+    frames: &[FrameStream],
+    steps: &Steps,
+) -> (Vec<String>, Vec<String>) {
+    let (mut notes, mut warnings) = streams::notes(described, frames, steps.windows);
+    let profiles = profiles::notes(&spec.scene, steps.clock.window(), steps.windows);
+    notes.extend(profiles.0);
+    warnings.extend(profiles.1);
+    (notes, warnings)
 }
 
 /// Most bodies that live at once: the number that the grains give, room for inlets included.

@@ -132,6 +132,7 @@ fn frame_row(stream: &FrameStream) -> Vec<String> {
         FrameContent::Surfaces => "surfaces".to_string(),
         FrameContent::Slice(name) => format!("slice {name}"),
         FrameContent::Volume(grid) => format!("volume {}", grid.name),
+        FrameContent::Profile(name) => format!("profile {name}"),
         FrameContent::Signals(_) => "signals".to_string(),
         FrameContent::Log => "log".to_string(),
     };
@@ -180,6 +181,9 @@ fn frame_memory(stream: &FrameStream) -> u64 {
         FrameContent::Slice(_) => (size_of::<frame::SliceHeader>(), size_of::<frame::SliceNode>()),
         FrameContent::Volume(_) => {
             (size_of::<frame::VolumeHeader>(), size_of::<frame::SliceNode>())
+        }
+        FrameContent::Profile(_) => {
+            (size_of::<frame::ProfileHeader>(), size_of::<frame::ProfileBin>())
         }
         FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
         FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),

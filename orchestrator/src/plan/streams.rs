@@ -29,11 +29,11 @@ pub(super) struct Room {
 }
 
 /// All streams that observers want; physics in the order of `components`, then the log. `every`:
-/// windows between frames to an observer.
+/// windows between frames of a content to an observer.
 pub(super) fn streams(
     components: &[Described<'_>],
     room: Room,
-    every: impl Fn(&ComponentSpec) -> u64,
+    every: impl Fn(&ComponentSpec, &FrameContent) -> u64,
 ) -> Vec<FrameStream> {
     let is_observer = |c: &&Described<'_>| c.0.role == Role::Observer;
     let observers: Vec<_> = components.iter().filter(is_observer).collect();
@@ -42,7 +42,7 @@ pub(super) fn streams(
         for (observer, wishes) in &observers {
             let contents = contents(spec.role, description, &wishes.watches, room);
             for (name, content, capacity) in contents {
-                let every = every(observer);
+                let every = every(observer, &content);
                 streams.push(stream(&spec.name, observer, &name, content, every, capacity));
             }
         }
@@ -115,6 +115,10 @@ fn contents(
     for slice in description.slices.iter().filter(|_| watches.slices) {
         let content = FrameContent::Slice(slice.name.clone());
         contents.push((format!("slice/{}", slice.name), content, slice.nodes.max(1)));
+    }
+    for profile in description.profiles.iter().filter(|_| watches.profiles) {
+        let content = FrameContent::Profile(profile.name.clone());
+        contents.push((format!("profile/{}", profile.name), content, profile.bins.max(1)));
     }
     for volume in &description.volumes {
         let grid = watches.volumes.as_ref().and_then(|wish| VolumeGrid::new(volume, wish));

@@ -5,7 +5,7 @@ use crate::plan::{Plan, bytes};
 use tremie_channels::memory::SHARED_MEMORY;
 use tremie_messages::Finding;
 use tremie_messages::Role;
-use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample};
+use tremie_messages::frame::{BodySample, ProfileBin, SliceNode, SurfaceSample};
 use tremie_messages::scene::{BodySizes, Scene};
 use tremie_messages::start::{Description, FrameContent};
 
@@ -98,6 +98,8 @@ fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
             FrameContent::Bodies => size_of::<BodySample>(),
             FrameContent::Surfaces => size_of::<SurfaceSample>(),
             FrameContent::Slice(_) | FrameContent::Volume(_) => size_of::<SliceNode>(),
+            // Text and binary.
+            FrameContent::Profile(_) => 3 * size_of::<ProfileBin>(),
             FrameContent::Signals(_) => size_of::<f64>(),
             FrameContent::Log => 0,
         };

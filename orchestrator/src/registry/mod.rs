@@ -98,6 +98,14 @@ pub const BUILT_IN: &[BuiltIn] = &[
         run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_fields::Fields>>,
         benchmarks: no_benchmarks,
     },
+    BuiltIn {
+        name: "profiles",
+        role: Role::Observer,
+        about: "writes the tables of profiles of grains (CSV, NumPy)",
+        settings: SchemaGenerator::subschema_for::<tremie_profiles::Parameters>,
+        run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_profiles::ProfileWriter>>,
+        benchmarks: no_benchmarks,
+    },
 ];
 
 /// Components that compute nothing, for `tremie bench`.

@@ -8,13 +8,15 @@ use crate::grains::signals::{
 };
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
+use crate::setup::check_profiles;
 use crate::setup::resolution::Resolution;
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::scene::{Motion, Scene};
+use tremie_sdk::messages::frame::{ProfileBin, ProfileHeader};
+use tremie_sdk::messages::scene::{GrainProfile, Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};
-use tremie_sdk::messages::start::{Description, Signal};
+use tremie_sdk::messages::start::{Description, ProfileSpec, Signal};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
@@ -59,7 +61,8 @@ impl Grains for SoftSpheres {
             memory: resolution.memory,
             notes: notes(&setup.hello.scene, &resolution),
             findings: findings(&setup.hello.scene, &parameters, &resolution),
-            warnings: resolution.warnings.clone(),
+            warnings: warnings(&setup.hello.scene, &resolution),
+            profiles: setup.hello.scene.profiles.iter().map(profile_spec).collect(),
             resolution: numbers(&resolution),
             ..Description::default()
         })
@@ -73,6 +76,7 @@ impl Grains for SoftSpheres {
         let mut grains = GrainsDem::with_surfaces(scene, &parameters, step, threads, &surfaces)
             .map_err(in_scene)?;
         grains.choose_threads();
+        grains.measure_profiles(scene, setup.assigned()?.clock.window());
         let spheres = grains.radii().len();
         let few = if is_followed(scene, spheres) { spheres } else { 0 };
         // All states are asked for at once, those of parts too.
@@ -178,6 +182,14 @@ impl Grains for SoftSpheres {
     fn row_kept(&mut self) {
         self.grains.restart_means();
     }
+
+    fn has_profile(&self, name: &str, is_last: bool) -> bool {
+        self.grains.has_profile(name, is_last)
+    }
+
+    fn profile(&mut self, name: &str, bins: &mut [ProfileBin]) -> ProfileHeader {
+        self.grains.profile(name, bins)
+    }
 }
 
 impl SoftSpheres {
@@ -232,6 +244,14 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
         if is_mean { own.sampled() } else { own }
     }));
     all
+}
+
+fn profile_spec(profile: &GrainProfile) -> ProfileSpec {
+    ProfileSpec { name: profile.name.clone(), bins: profile.bins() as u64 }
+}
+
+fn warnings(scene: &Scene, resolution: &Resolution) -> Vec<String> {
+    resolution.warnings.iter().cloned().chain(check_profiles::left_out(scene)).collect()
 }
 
 fn notes(scene: &Scene, resolution: &Resolution) -> Vec<String> {

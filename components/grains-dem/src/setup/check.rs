@@ -10,7 +10,7 @@ use crate::packing::random_packing::{self};
 use crate::setup::material_pairs::BodyStatistics;
 use crate::setup::{
     check_clumps, check_drag_bands, check_integrator, check_law, check_packing, check_polyhedra,
-    check_ports, check_slider,
+    check_ports, check_profiles, check_slider,
 };
 use crate::solver::overlaps::TOUCHING;
 use crate::solver::placement;
@@ -83,6 +83,7 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     check_law::laws(scene, &mut problems);
     check_integrator::check(scene, parameters, &mut problems);
     check_drag_bands::drag_bands(scene, &mut problems);
+    check_profiles::profiles(scene, &mut problems);
     if problems.is_empty() {
         // These checks rely on a scene that is valid so far.
         check_ports::ports(scene, parameters, &mut problems);

@@ -8,6 +8,7 @@ pub mod check_law;
 pub mod check_packing;
 pub mod check_polyhedra;
 pub mod check_ports;
+pub mod check_profiles;
 pub mod check_sizes;
 pub mod check_slider;
 pub mod check_surface;

@@ -1,6 +1,6 @@
 //! Time step and contact properties that follow from a scene and parameters.
 
-use crate::bodies::placed_parts;
+use crate::bodies::placed_parts::{self, PlacedPart};
 use crate::contact::contact_law::Law;
 use crate::contact::lubrication::Squeeze;
 use crate::contact::springs::Reduced;
@@ -18,6 +18,7 @@ use crate::setup::{check, check_ports};
 use crate::solver::ports::{self, Room};
 use crate::solver::{overlaps, placement};
 use serde::Serialize;
+use tremie_grains_kit::profiles::ProfileSampler;
 use tremie_messages::{Problem, scene::Scene};
 use tremie_team::Team;
 
@@ -101,6 +102,12 @@ struct Limits {
 /// Steps per contact below which accuracy suffers visibly.
 const ACCURATE_STEPS: f64 = 15.0;
 
+/// Memory of parts and profiles, of which so many bodies may be samples [bytes].
+fn beside_bodies(scene: &Scene, parts: &[PlacedPart], capacity: usize) -> u64 {
+    let triangles: u64 = parts.iter().map(PlacedPart::triangles).sum();
+    triangles * OF_TRIANGLE + ProfileSampler::memory(&scene.profiles, capacity)
+}
+
 /// Memory of a triangle of a part, with the structures to find it [bytes]; measured on x86-64.
 const OF_TRIANGLE: u64 = 360;
 
@@ -140,7 +147,6 @@ impl Parameters {
         let room = ports::room(scene, self, population.bodies(), &parts);
         let capacity = room.capacity;
         let need = Need::of(scene, self, capacity);
-        let of_parts = parts.iter().map(|part| part.triangles()).sum::<u64>() * OF_TRIANGLE;
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
             stable_time_step: finite(limits.dense),
@@ -150,7 +156,7 @@ impl Parameters {
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
             room: (!scene.inlets.is_empty()).then_some(room),
-            memory: need.middle() as u64 + of_parts,
+            memory: need.middle() as u64 + beside_bodies(scene, &parts, capacity),
             memory_from_to: [need.start as u64, need.dense as u64],
             free_bodies: population.free(),
             smallest_diameter,

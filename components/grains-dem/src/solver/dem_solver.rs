@@ -27,11 +27,13 @@ use crate::solver::interaction_context::InteractionContext;
 use crate::solver::neighbour_search::Search;
 use crate::solver::ports::Ports;
 use crate::solver::probes::Probes;
+use crate::solver::profiles::{Profiles, SampledGrains};
 use crate::solver::substeps::Progress;
 use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
 use crate::walls::wall_forces;
 use tremie_messages::{
     body::{BodyEvent, BodyState, Load},
+    frame::{ProfileBin, ProfileHeader},
     scene::{Domain, Scene},
 };
 use tremie_team::{Choice, Found, Team};
@@ -124,6 +126,7 @@ pub struct GrainsDem {
     pub(crate) fluid: FluidLoads,
     survey: Survey,
     pub(crate) probes: Probes,
+    pub(crate) profiles: Profiles,
     /// Inlets and outlets.
     pub(crate) ports: Ports,
 }
@@ -196,6 +199,7 @@ impl GrainsDem {
             fluid: FluidLoads { loaded: false, fluid_impulse: Vec3::zeros(), load_sums },
             survey: Survey::default(),
             probes,
+            profiles: Profiles::default(),
             ports,
         }
     }
@@ -351,6 +355,37 @@ impl GrainsDem {
     /// are sums since the start, all else is of the end of the last [`advance`](Self::advance).
     pub fn read_probes(&mut self, out: &mut Vec<f64>) {
         self.probes.read(&mut self.threads.team, &self.population.bodies, &self.around.bounds, out);
+    }
+
+    /// Samples the scene's profiles from now on, in a run whose windows have a length [s].
+    pub fn measure_profiles(&mut self, scene: &Scene, window: f64) {
+        let room = self.ports.capacity.max(self.population.bodies.len());
+        self.profiles = Profiles::new(scene, window, room);
+        self.search.measure_parts(!scene.profiles.is_empty());
+        self.sample_profiles();
+    }
+
+    /// True if a table of the profile of a name has ended with the last window; with `is_last` the
+    /// run has, and a table that was begun counts, too.
+    pub fn has_profile(&self, name: &str, is_last: bool) -> bool {
+        self.profiles.has_table(name, is_last)
+    }
+
+    /// Writes the table of the profile of a name as it is, one entry for each bin, and tells its
+    /// times and samples; none where there is no such profile.
+    pub fn profile(&self, name: &str, bins: &mut [ProfileBin]) -> ProfileHeader {
+        self.profiles.table(name, bins)
+    }
+
+    /// Gives the grains to the profiles that want them now.
+    pub(crate) fn sample_profiles(&mut self) {
+        let seen = SampledGrains {
+            bodies: &self.population.bodies,
+            contacts: self.search.contacts(),
+            walls: &self.around.walls,
+            domain: &self.domain,
+        };
+        self.profiles.take(&mut self.threads.team, &seen);
     }
 
     /// Begins the means over time that probes tell anew.

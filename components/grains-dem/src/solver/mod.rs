@@ -15,4 +15,5 @@ pub mod paper_subcycles;
 pub mod placement;
 pub mod ports;
 pub mod probes;
+pub mod profiles;
 pub mod substeps;

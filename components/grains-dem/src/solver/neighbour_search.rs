@@ -102,6 +102,13 @@ impl Search {
         Contacts { pairs, walls, parts, surfaces, solids }
     }
 
+    /// Says whether the virials of contacts with parts are ever asked for.
+    pub fn measure_parts(&mut self, is_measurable: bool) {
+        for list in [&mut self.parts, &mut self.spare_parts] {
+            list.measure(is_measurable);
+        }
+    }
+
     /// Forces on all walls, so many, at the last evaluation [N].
     pub fn wall_forces(&self, walls: usize, out: &mut Vec<Vec3>) {
         out.clear();

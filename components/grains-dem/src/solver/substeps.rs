@@ -119,6 +119,8 @@ impl GrainsDem {
         self.stepping.progress.expect("finish_substep", true, true)?;
         let begin = self.clock();
         let dt = self.stepping.dt;
+        let is_last = self.stepping.progress.done + 1 == self.stepping.window;
+        self.search.parts.is_measured = is_last && self.profiles.are_due();
         match self.stepping.integrator {
             Integrator::Heun => self.correct_and_evaluate(accepted)?,
             _ => self.evaluate_forces(Steps { before: dt, after: dt }, accepted)?,
@@ -164,6 +166,8 @@ impl GrainsDem {
             &self.around.bounds,
             duration,
         );
+        self.profiles.end_window();
+        self.sample_profiles();
         self.population.events.clear();
         self.pass_ports()
     }

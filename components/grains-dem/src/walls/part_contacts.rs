@@ -63,6 +63,24 @@ pub(crate) struct PartContacts {
     pub pushes: Vec<Along>,
     /// Both block by block.
     loads: Vec<PartLoad>,
+    /// True if virials are ever asked for.
+    is_measurable: bool,
+    /// True if the next evaluation is to find the virials.
+    pub is_measured: bool,
+    /// Contacts of each body here and their virial at the last evaluation that was measured, where
+    /// any is.
+    pub virials: Vec<WallVirial>,
+    /// Bounds of no virials.
+    unmeasured: Vec<u32>,
+}
+
+/// Contacts of a body with parts and walls.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct WallVirial {
+    /// Number of contacts, those of one region counted once.
+    pub contacts: u32,
+    /// See [`GrainSample::virial`](tremie_grains_kit::profiles::GrainSample::virial) [J].
+    pub virial: [f64; 6],
 }
 
 /// Load on a part, and along its axis, if it is a slider.
@@ -121,6 +139,7 @@ impl PartContacts {
         self.pushes.extend(&before.pushes);
         self.on_parts.resize(at.parts.len(), Wrench::zero());
         self.pushes.resize(at.parts.len(), Along::default());
+        self.measure(self.is_measurable);
         let blocks = self.rows.on.bounds.len() - 1;
         self.loads.resize(blocks * loads_of(at.parts), PartLoad::NONE);
     }
@@ -133,6 +152,17 @@ impl PartContacts {
         self.triangles.clear();
         self.triangle_bounds.clear();
         self.triangle_bounds.push(0);
+    }
+
+    /// Says whether virials are ever asked for, and makes room for those of the bodies listed.
+    pub fn measure(&mut self, is_measurable: bool) {
+        self.is_measurable = is_measurable;
+        self.virials.clear();
+        if is_measurable {
+            self.virials.reserve(SOME);
+            self.virials.resize(self.rows.on.bodies.len(), WallVirial::default());
+        }
+        self.unmeasured.resize(self.rows.on.bounds.len(), 0);
     }
 
     /// True if a body, by its place in memory, is in this list.
@@ -194,12 +224,18 @@ impl PartContacts {
             Cut::at(&mut self.rows.on.wrench, &self.rows.on.bounds),
             Cut::every(&mut self.loads, loads_of(parts)),
             Cut::every(tallies, 1),
+            match self.is_measured {
+                true => Cut::at(&mut self.virials, &self.rows.on.bounds),
+                false => Cut::at(&mut self.virials, &self.unmeasured),
+            },
         );
         let (bodies, bounds) = (&self.rows.on.bodies, &self.rows.on.bounds);
         let (start, first) = (&self.rows.start, &self.rows.entry_bounds);
         let (near, triangles) = (&self.near, &self.triangles);
         let of_block = &self.triangle_bounds;
-        team.for_pieces(pieces, |b, (entries, distances, histories, wrench, loads, tally)| {
+        team.for_pieces(pieces, |b, piece| {
+            let (entries, distances, histories, wrench, loads, tally, virials) = piece;
+            let mut virials = virials.iter_mut();
             loads.fill(PartLoad::NONE);
             let rows = (bounds[b] as usize..).zip(wrench).zip(histories);
             for ((p, wrench), history) in rows {
@@ -215,7 +251,8 @@ impl PartContacts {
                 let body = bodies[p] as usize;
                 let place = SphereAtWalls { body, parts, walls, scenery: &scenery };
                 let soft = surfaces.reached_by(bodies[p]);
-                *wrench = place.evaluate(near, soft, history, loads, &mut tally[0]);
+                let sums = (&mut *loads, &mut tally[0], virials.next());
+                *wrench = place.evaluate(near, soft, history, sums);
             }
         });
         self.sum_blocks(loads_of(parts));

@@ -12,8 +12,9 @@ use crate::contact::plane_walls::Wall;
 use crate::contact::region_shares::{of_one_region, shares};
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
-use crate::walls::part_contacts::{ListedWall, PartLoad, WallId};
+use crate::walls::part_contacts::{ListedWall, PartLoad, WallId, WallVirial};
 use crate::walls::reached_walls::{Reached, is_soft, together};
+use tremie_grains_kit::profiles::add_virial;
 
 /// A body beside parts and walls.
 pub(crate) struct SphereAtWalls<'a> {
@@ -21,6 +22,19 @@ pub(crate) struct SphereAtWalls<'a> {
     pub parts: &'a [PlacedPart],
     pub walls: &'a [Wall],
     pub scenery: &'a ContactContext<'a>,
+}
+
+/// Sums of the contacts of bodies: loads on parts, contacts, and what is asked for of the body's
+/// own.
+pub(crate) type PartSums<'a> = (&'a mut [PartLoad], &'a mut Tally, Option<&'a mut WallVirial>);
+
+impl WallVirial {
+    /// Adds the force of a contact on the body [N].
+    fn push(&mut self, contact: &WallPoint, radius: f64, force: Vec3) {
+        // To the point half way between the two surfaces, as torques.
+        let arm = contact.normal * (-0.5 * (radius + contact.distance));
+        add_virial(&mut self.virial, arm.into(), force.into());
+    }
 }
 
 /// Parts, walls and triangles near the body.
@@ -82,15 +96,15 @@ impl SphereAtWalls<'_> {
     }
 
     /// The force on the body, whose contacts with `soft` surfaces are evaluated elsewhere; those on
-    /// parts are added to `loads`.
+    /// parts are added to the loads, and what is asked for of the body's contacts to its virial.
     pub fn evaluate(
         &self,
         mut near: NearWalls<'_>,
         soft: Option<&Reached>,
         history: &mut WallContactHistory,
-        loads: &mut [PartLoad],
-        tally: &mut Tally,
+        (loads, tally, mut virial): PartSums<'_>,
     ) -> Wrench {
+        virial.iter_mut().for_each(|virial| **virial = WallVirial::default());
         let ball = &self.scenery.bodies.balls[self.body];
         near.entries.iter_mut().for_each(|entry| entry.on_wall = Vec3::zeros());
         let (found, springs) = self.find_with(&mut near, soft);
@@ -119,6 +133,9 @@ impl SphereAtWalls<'_> {
             let force = self.meet(&met, home, (&memories, history), loads);
             on_body.force += force.force;
             on_body.torque += force.torque;
+            if let Some(virial) = &mut virial {
+                virial.push(contact, ball.radius, force.force);
+            }
             let other = match met.entry.met {
                 WallId::Part(part) => Other::Part(part),
                 WallId::Wall(wall) => {
@@ -129,6 +146,7 @@ impl SphereAtWalls<'_> {
             if share.spring > 0.0 {
                 let ratio = 1.0 - contact.distance / ball.radius;
                 if regions.is_new(contact.normal) {
+                    virial.iter_mut().for_each(|virial| virial.contacts += 1);
                     tally.add(ratio, self.body as u32, other);
                 } else {
                     tally.deepen(ratio, self.body as u32, other);

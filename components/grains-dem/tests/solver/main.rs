@@ -13,4 +13,5 @@ mod order;
 mod pile;
 mod ports;
 mod probes;
+mod profiles;
 mod same_bits;

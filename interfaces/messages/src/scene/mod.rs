@@ -13,6 +13,7 @@ mod inlets;
 mod parts;
 mod polyhedra;
 mod probes;
+mod profiles;
 mod reservoir;
 mod ring;
 mod slider;
@@ -32,6 +33,7 @@ pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use polyhedra::{Polyhedra, Polyhedron, PolyhedronPlacement, Shape};
 pub use probes::{Probe, ProbeShape};
+pub use profiles::{BinnedAxis, GrainProfile, ProfileSchedule, ProfileVelocity};
 pub use reservoir::{Reservoir, ReservoirMode};
 pub use ring::Ring;
 pub use slider::{Slider, SliderSpring, Stops};
@@ -84,6 +86,9 @@ pub struct Scene {
     pub contacts: Vec<PairLaw>,
     /// Probes: places where the run measures.
     pub probes: Vec<Probe>,
+    /// Profiles: tables of what the grains do in the bins of a box.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profiles: Vec<GrainProfile>,
     /// Gaps that open and close.
     #[serde(default)]
     pub gaps: Vec<Gap>,
@@ -108,6 +113,7 @@ impl Scene {
             followed: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),
+            profiles: Vec::new(),
             gaps: Vec::new(),
         }
     }

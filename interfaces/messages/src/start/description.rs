@@ -27,6 +27,9 @@ pub struct Description {
     /// Whole fields that it can send to observers.
     #[serde(default)]
     pub volumes: Vec<VolumeSpec>,
+    /// Profiles of the scene that it measures (grains).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub profiles: Vec<ProfileSpec>,
     /// A fluid sends the velocities at open faces ([`crate::PortState`]); grains take them.
     #[serde(default)]
     pub ports: bool,
@@ -111,10 +114,19 @@ pub struct VolumeSpec {
     pub count: [u64; 3],
 }
 
+/// A profile of the scene that a component measures.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProfileSpec {
+    /// Name of the profile.
+    pub name: String,
+    /// Number of bins.
+    pub bins: u64,
+}
+
 /// Frames that an observer wants to see. Streams that nobody wants are not set up, and cost
 /// nothing.
 ///
-/// Left out of a description, it is everything but deformable surfaces and whole fields.
+/// Left out of a description, it is everything but deformable surfaces, profiles and whole fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Watches {
@@ -124,6 +136,8 @@ pub struct Watches {
     pub surfaces: bool,
     /// Cuts.
     pub slices: bool,
+    /// Tables of profiles of grains.
+    pub profiles: bool,
     /// Signals.
     pub signals: bool,
     /// Lines of the log.
@@ -138,6 +152,7 @@ impl Default for Watches {
             bodies: true,
             surfaces: false,
             slices: true,
+            profiles: false,
             signals: true,
             log: true,
             volumes: None,

@@ -15,6 +15,9 @@ pub enum FrameContent {
     Slice(String),
     /// Nodes of a lattice: [`crate::frame::SliceNode`]s.
     Volume(VolumeGrid),
+    /// A table of the scene's profile of that name: [`crate::frame::ProfileBin`]s. It comes when the
+    /// table has ended, whatever [`FrameStream::every`] says; one of the start exchange has no samples.
+    Profile(String),
     /// The component's signals, in the order of its description, with that order given here.
     Signals(Vec<Signal>),
     /// Lines of the log (sent by the orchestrator).

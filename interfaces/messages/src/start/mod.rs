@@ -23,7 +23,9 @@ mod fault;
 mod frames;
 pub mod signal_row;
 
-pub use description::{Description, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches};
+pub use description::{
+    Description, ProfileSpec, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches,
+};
 pub use fault::{Fault, FaultKind, Injection, InjectionKind};
 pub use frames::{FrameContent, FrameStream, VolumeGrid};
 pub use signal_row::SignalRow;

@@ -22,6 +22,7 @@ mod placement;
 mod plane;
 mod polyhedra;
 mod probes;
+mod profiles;
 mod rough_walls;
 mod run;
 mod scene;
@@ -47,6 +48,9 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
     let run = run::run(&document.run, findings);
     let outputs = run::outputs(&document.outputs, findings);
     let scene = scene::scene(&document.scene, findings);
+    if let (Some(scene), Some(run)) = (&scene, &run) {
+        profiles::fit(scene, run, findings);
+    }
     let components = components::components(document, findings);
     let stop_when = run::stops(document, findings);
     Some(Spec {
@@ -61,7 +65,7 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
 
 /// Notes on keys that are right but may not be meant.
 pub(super) fn notes(spec: &Spec) -> Vec<String> {
-    let built_in_observers = ["viewer", "recorder", "fields"];
+    let built_in_observers = ["viewer", "recorder", "fields", "profiles"];
     let is_used = |program: &str| spec.components.iter().any(|c| c.stem() == program);
     let mut notes: Vec<String> = (spec.settings.keys())
         .filter(|program| !is_used(program) && !built_in_observers.contains(&program.as_str()))

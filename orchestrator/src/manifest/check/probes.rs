@@ -168,7 +168,7 @@ pub(super) fn region(
 }
 
 /// True if a box has an extent along every axis but `across`, and lies in the domain there.
-fn holds(
+pub(super) fn holds(
     min: &[f64; 3],
     max: &[f64; 3],
     across: Option<usize>,

@@ -7,7 +7,7 @@ use super::contacts::{Surroundings, contacts};
 use super::polyhedra::Shapes;
 use super::{
     bodies, domain, drag_bands, fluid, gaps, hoppers, inlets, materials, parts, placement, plane,
-    probes, seals, surfaces,
+    probes, profiles, seals, surfaces,
 };
 use tremie_messages::scene::{BodySet, Domain, Part, Plane, Scene};
 
@@ -30,6 +30,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let outlets = inlets::outlets(&table.outlets, domain.as_ref(), &mut names, findings);
     let drag_bands = drag_bands::drag_bands(table, domain.as_ref(), &mut names, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
+    let profiles = profiles::profiles(table, domain.as_ref(), findings);
     let gaps = gaps::gaps(table, domain.as_ref(), findings);
     if let Some(domain) = &domain {
         plane::check(table, domain, &mut bodies, findings);
@@ -62,6 +63,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         drag_bands: drag_bands?,
         followed: bodies::followed(&table.bodies, findings)?,
         probes: probes?,
+        profiles: profiles?,
         gaps: gaps?,
     })
 }

@@ -15,6 +15,7 @@ mod inlets;
 mod parts;
 mod polyhedra;
 mod probes;
+mod profiles;
 mod scene;
 mod slider;
 mod surfaces;
@@ -31,6 +32,7 @@ pub(super) use inlets::*;
 pub(super) use parts::*;
 pub(super) use polyhedra::*;
 pub(super) use probes::*;
+pub(super) use profiles::*;
 pub(super) use scene::*;
 pub(super) use slider::*;
 pub(super) use surfaces::*;
@@ -88,8 +90,8 @@ pub(super) struct RunTable {
 pub(super) struct ComponentTable {
     /// A built-in component, or the path of any other program. Required.
     pub program: Option<String>,
-    /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder
-    /// or fields).
+    /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder,
+    /// fields or profiles).
     pub role: Option<Role>,
     /// Threads that it may use to compute (default: all cores for a fluid and for grains, else
     /// one). Fluid and grains try in their first steps, and now and then, whether more than one
@@ -99,7 +101,7 @@ pub(super) struct ComponentTable {
     /// of the grains.
     pub sync_iter: Option<NonZeroU32>,
     /// For an observer: whether physics waits, boundedly, rather than lose a frame of it
-    /// (default: only for the programs `recorder` and `fields`).
+    /// (default: only for the programs `recorder`, `fields` and `profiles`).
     pub lossless: Option<bool>,
     /// Settings of this component, over those of its program.
     pub settings: Option<Map<String, Value>>,

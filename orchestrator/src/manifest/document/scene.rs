@@ -2,7 +2,8 @@
 
 use super::{
     BodiesTable, ContactTable, DomainTable, DragBandTable, FluidTable, GapTable, HopperTable,
-    InletTable, MaterialTable, OutletTable, PartTable, ProbeTable, ShapeTable, SurfaceTable,
+    InletTable, MaterialTable, OutletTable, PartTable, ProbeTable, ProfilesTable, ShapeTable,
+    SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -55,6 +56,9 @@ pub(in super::super) struct SceneTable {
     /// Where the run measures the flow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<ProbeTable>,
+    /// Tables of what grains do in the bins of a box.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub profiles: Vec<ProfilesTable>,
     /// Gaps that open and close.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<GapTable>,

@@ -17,7 +17,9 @@ pub fn report(arguments: &ReportArgs) -> ExitCode {
         Err(error) => {
             complain(format_args!("error: {error}"));
             match error {
-                ReportError::Unknown { .. } | ReportError::Signals(_) => WRONG_INPUT.into(),
+                ReportError::Unknown { .. } | ReportError::Signals(_) | ReportError::Profile(_) => {
+                    WRONG_INPUT.into()
+                }
                 _ => ExitCode::FAILURE,
             }
         }
@@ -35,7 +37,12 @@ fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
     report::draw(&report, &names.join(", "), &path)?;
     let curves: usize = report.panels.iter().map(|panel| panel.curves.len()).sum();
     let panels = report.panels.len();
-    answer(format_args!("{}: {curves} curves in {panels} panels", path.display()));
+    let of_profiles = match report.profiles.len() {
+        0 => String::new(),
+        panels => format!(", and {panels} panels of profiles"),
+    };
+    let path = path.display();
+    answer(format_args!("{path}: {curves} curves in {panels} panels{of_profiles}"));
     for (name, value, unit) in report.constant.iter().take(LISTED) {
         let unit = if unit == "1" { "" } else { unit };
         answer(format_args!("  {name} is {} throughout", format!("{value} {unit}").trim_end()));

@@ -170,6 +170,9 @@ fn add_observers(manifest: &mut Manifest, view: &View) {
     if manifest.spec.outputs.fields.is_some() {
         manifest.spec.add_observer("fields");
     }
+    if !manifest.spec.scene.profiles.is_empty() {
+        manifest.spec.add_observer("profiles");
+    }
     let Some(settings) = viewer_settings(view) else { return };
     manifest.spec.add_observer("viewer");
     for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "viewer") {

@@ -2,15 +2,20 @@
 //!
 //! Signals of one kind share a panel ([`panels`]): the pressures of all probes, the three
 //! components of a momentum. Several runs are drawn into the same panels. Signals that never change
-//! are listed beneath instead.
+//! are listed beneath instead. Profiles of grains have panels of their own ([`profiles`]), which
+//! come first.
 
 pub mod panels;
+pub mod profiles;
 pub mod scale;
 pub mod sheet;
 
 use panels::Panel;
 use std::path::{Path, PathBuf};
-use tremie_results::{Cut, NoSignals, Signals, run_name, signals_of};
+use tremie_results::{
+    Cut, NoSignals, ProfileTables, SheetPanel, Signals, UnreadableProfile, profiles_of, run_name,
+    signals_of,
+};
 
 /// A report could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -18,6 +23,9 @@ pub enum ReportError {
     /// A run left no signals.
     #[error("{0}")]
     Signals(#[from] NoSignals),
+    /// A table of a profile cannot be read.
+    #[error("{0}")]
+    Profile(#[from] UnreadableProfile),
     /// A signal that was asked for is not there.
     #[error("{}: {message}", out.display())]
     Unknown {
@@ -46,6 +54,8 @@ pub struct Run {
     pub name: String,
     /// Its signals.
     pub signals: Signals,
+    /// Its profiles of grains.
+    pub profiles: Vec<ProfileTables>,
 }
 
 /// Content of a report.
@@ -53,6 +63,8 @@ pub struct Run {
 pub struct Report {
     /// Tables that were cut off.
     pub cuts: Vec<Cut>,
+    /// Panels of profiles, before the others.
+    pub profiles: Vec<SheetPanel>,
     /// Panels, in order.
     pub panels: Vec<Panel>,
     /// Signals that never change, and their values in the first run that has them.
@@ -60,7 +72,7 @@ pub struct Report {
 }
 
 /// Reads the runs in the folders `outs` and sorts their signals. With `wanted`, only signals that
-/// begin with one of these names.
+/// begin with one of these names, and no profiles.
 ///
 /// # Errors
 /// Runs without signals, signals that none of them has.
@@ -74,15 +86,37 @@ pub fn report(outs: &[PathBuf], wanted: &[String]) -> Result<Report, ReportError
                 return Err(ReportError::Unknown { out: out.clone(), message });
             }
         }
-        runs.push(Run { name: run_name(out), signals });
+        let profiles = if wanted.is_empty() { profiles_of(out)? } else { Vec::new() };
+        runs.push(Run { name: run_name(out), signals, profiles });
     }
     let mut report = panels::sort(&runs, wanted);
+    report.profiles = of_profiles(&runs);
     report.cuts.extend(runs.iter().filter_map(|run| run.signals.cut.clone()));
-    if report.panels.is_empty() {
+    if report.panels.is_empty() && report.profiles.is_empty() {
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         return Err(ReportError::Nothing(names.join(", ")));
     }
     Ok(report)
+}
+
+/// Panels of the profiles of all runs; those of one name and as many axes share panels.
+fn of_profiles(runs: &[Run]) -> Vec<SheetPanel> {
+    let all = runs.iter().flat_map(|run| &run.profiles);
+    let mut kinds: Vec<(&str, usize)> =
+        all.map(|tables| (tables.name.as_str(), tables.axes.len())).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let name = |run: &'_ Run| if runs.len() > 1 { run.name.clone() } else { String::new() };
+    let of_kind = |kind: (&str, usize)| {
+        let is_it = |tables: &&ProfileTables| (tables.name.as_str(), tables.axes.len()) == kind;
+        let with =
+            runs.iter().filter_map(|run| Some((name(run), run.profiles.iter().find(is_it)?)));
+        let with: Vec<_> = with.collect();
+        let of_runs: Vec<_> =
+            with.iter().map(|(run, tables)| profiles::RunProfile { run, tables }).collect();
+        profiles::panels(&of_runs)
+    };
+    kinds.into_iter().flat_map(of_kind).collect()
 }
 
 /// Draws a report as SVG.

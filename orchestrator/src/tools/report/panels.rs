@@ -90,7 +90,7 @@ pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
         };
         curves.chunks(CURVES).map(panel).collect::<Vec<_>>()
     });
-    Report { cuts: Vec::new(), panels: panels.collect(), constant }
+    Report { cuts: Vec::new(), profiles: Vec::new(), panels: panels.collect(), constant }
 }
 
 /// All signals that any run has.
@@ -126,7 +126,7 @@ mod tests {
             table.columns.insert((*signal).into(), values.to_vec());
             table.units.insert((*signal).into(), (*unit).into());
         }
-        Run { name: name.into(), signals: table }
+        Run { name: name.into(), signals: table, profiles: Vec::new() }
     }
 
     const RISES: [f64; 3] = [0.0, 1.0, 3.0];

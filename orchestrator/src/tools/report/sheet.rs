@@ -4,15 +4,16 @@ use super::Report;
 use super::panels::Panel;
 use super::scale::Scale;
 use std::path::Path;
-use tremie_results::{Chart, Curve, draw_sheet};
+use tremie_results::{Chart, Curve, SheetPanel, draw_panels};
 
 /// Points of a curve at most: about one for each pixel, and each with its extremes.
 const POINTS: usize = 600;
 
 /// Draws a report.
 pub(super) fn draw(report: &Report, title: &str, path: &Path) -> Result<(), String> {
-    let all: Vec<Chart> = report.panels.iter().map(chart).collect();
-    draw_sheet(&all, title, path)
+    let of_signals = report.panels.iter().map(|panel| SheetPanel::Chart(chart(panel)));
+    let all: Vec<_> = report.profiles.iter().cloned().chain(of_signals).collect();
+    draw_panels(&all, title, path)
 }
 
 fn chart(panel: &Panel) -> Chart {

@@ -30,6 +30,8 @@ impl LatticeOrientation {
             followed: scene.followed.clone(),
             contacts: scene.contacts.clone(),
             probes: scene.probes.iter().map(|probe| self.probe(probe)).collect(),
+            // Of grains alone, which do not turn.
+            profiles: Vec::new(),
             gaps: scene.gaps.iter().map(|gap| self.gap(gap)).collect(),
         }
     }
