@@ -44,6 +44,9 @@ struct Inlet<S: ChannelMedium> {
     lost: u64,
 }
 
+/// Stamp of a frame, and what the observer said of it.
+type Shown = (Stamp, Result<(), ObserverError>);
+
 /// An observer as a component of a run.
 pub struct AsObserver<T>(PhantomData<T>);
 
@@ -218,7 +221,7 @@ impl<S: ChannelMedium> Inlet<S> {
         &self,
         observer: &mut O,
         clock: &Clock,
-    ) -> Result<Option<(Stamp, Result<(), ObserverError>)>, ChannelError> {
+    ) -> Result<Option<Shown>, ChannelError> {
         let from = &self.plan.from;
         Ok(match (&self.input, &self.plan.content) {
             (FrameReceiver::Bodies(receiver), _) => receiver.take()?.map(|message| {
