@@ -159,7 +159,7 @@ mod tests {
             axes,
             times: (0..times).map(|k| [k as f64, k as f64 + 1.0]).collect(),
             columns: [
-                ("solid_fraction".to_string(), column(0.01)),
+                ("solid_fraction".to_string(), column(0.02)),
                 ("velocity_x".to_string(), column(-0.2)),
                 ("velocity_z".to_string(), column(0.1)),
                 ("fluctuation_x".to_string(), column(0.05)),
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(fraction.x, "y [mm]");
         let names: Vec<&str> = fraction.curves.iter().map(|curve| curve.name.as_str()).collect();
         assert_eq!(names, ["1 to 2 s", "3 to 4 s", "6 to 7 s", "8 to 9 s", "11 to 12 s"]);
-        assert_eq!(fraction.curves[0].points[1], (1.5, 0.05));
+        assert_eq!(fraction.curves[0].points[1], (1.5, 0.1));
         assert_eq!(velocity.title, "channel: velocity x", "the faster one");
     }
 
@@ -201,7 +201,7 @@ mod tests {
             assert_eq!(map.extent, [[0.0, 2.0], [0.0, 3.0]]);
             let expected: [usize; 6] =
                 if swapped { [6, 8, 10, 7, 9, 11] } else { [6, 7, 8, 9, 10, 11] };
-            let found: Vec<f64> = map.values.iter().map(|value| (value * 100.0).round()).collect();
+            let found: Vec<f64> = map.values.iter().map(|value| (value * 50.0).round()).collect();
             assert_eq!(found, expected.map(|k| k as f64), "{}", map.title);
         }
     }
