@@ -3,6 +3,11 @@
 //! The compiler neither fuses nor reorders operations on numbers, so that the same work gives the
 //! same bits in whichever instructions it is compiled for.
 
+use crate::gather::SimdGather;
+use crate::simd::Portable;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Avx2F64, Avx512F64};
+
 /// Vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
@@ -18,6 +23,16 @@ pub enum Variant {
 pub trait Work {
     /// Does it.
     fn run(self);
+}
+
+/// Something to do with numbers side by side; `run` is to be inlined, and all that it calls in its
+/// loops.
+pub trait VectorWork {
+    /// Does it.
+    ///
+    /// # Safety
+    /// The processor has the instructions of `V`.
+    unsafe fn run<V: SimdGather>(self);
 }
 
 impl Variant {
@@ -61,6 +76,36 @@ impl Variant {
         }
         work.run();
     }
+
+    /// Does work in vectors of these instructions, or in portable ones if the processor has not got
+    /// them.
+    #[inline(always)]
+    pub fn run_in_vectors(self, work: impl VectorWork) {
+        #[cfg(target_arch = "x86_64")]
+        match self {
+            // SAFETY: the processor has the instructions.
+            Self::Avx512 if self.available() => return unsafe { in_vectors_of_avx512(work) },
+            // SAFETY: as above.
+            Self::Avx2 if self.available() => return unsafe { in_vectors_of_avx2(work) },
+            _ => {}
+        }
+        // SAFETY: arrays are everywhere.
+        unsafe { work.run::<Portable<f64, 4>>() };
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+fn in_vectors_of_avx512(work: impl VectorWork) {
+    // SAFETY: the processor has the instructions.
+    unsafe { work.run::<Avx512F64>() };
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn in_vectors_of_avx2(work: impl VectorWork) {
+    // SAFETY: the processor has the instructions.
+    unsafe { work.run::<Avx2F64>() };
 }
 
 #[cfg(target_arch = "x86_64")]

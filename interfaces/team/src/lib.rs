@@ -11,11 +11,13 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod choice;
+mod gather;
 pub mod instructions;
 mod pieces;
 pub mod simd;
 
 pub use choice::{Choice, Found};
+pub use gather::{Places, SimdGather};
 pub use instructions::Variant;
 pub use pieces::{Cut, Pieces};
 

@@ -3,9 +3,10 @@
 use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::hat_weights::HatWeights;
+use crate::particles::lane_weights::{LaneWeights, load_points};
 use crate::particles::particle_arrays::{ParticleArrays, Transfer};
-use tremie_team::instructions::Work;
-use tremie_team::{Cut, Team, Variant};
+use tremie_team::instructions::{VectorWork, Work};
+use tremie_team::{Cut, SimdGather, Team, Variant};
 
 /// Particles that are one piece of work.
 pub const PIECE: usize = 2048;
@@ -39,20 +40,6 @@ fn cut<const D: usize>(arrays: &mut [Vec<f64>; D]) -> [Cut<'_, f64>; D] {
     arrays.each_mut().map(|array| Cut::every(array, PIECE))
 }
 
-/// Velocity at a point [m/s].
-#[inline(always)]
-pub fn velocity_at<const D: usize>(
-    grid: &StaggeredGrid<D>,
-    u: &FaceVelocity<D>,
-    point: [f64; D],
-) -> [f64; D] {
-    let mut velocity = [0.0; D];
-    for a in 0..D {
-        velocity[a] = HatWeights::new(grid, Some(a), point).value(grid, &u[a]);
-    }
-    velocity
-}
-
 /// What particles move by in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct ParticleMotion<'a, const D: usize> {
@@ -84,26 +71,104 @@ struct PiecePass<'a, const TAKES: bool, const MOVES: bool, const D: usize> {
     velocity: [&'a mut [f64]; D],
 }
 
-impl<const TAKES: bool, const MOVES: bool, const D: usize> Work for PiecePass<'_, TAKES, MOVES, D> {
+/// What each of a few particles takes of the faces across each axis where its step begins:
+/// [`StartValues`], interpolated.
+type TakenAtStart<const D: usize> = [[[f64; 4]; 8]; D];
+
+impl<const TAKES: bool, const MOVES: bool, const D: usize> VectorWork
+    for PiecePass<'_, TAKES, MOVES, D>
+{
     #[inline(always)]
-    fn run(self) {
-        let Self { motion, first, position, velocity } = self;
-        for k in 0..position[0].len() {
-            let mut at = [0.0; D];
-            let mut own = [0.0; D];
-            for a in 0..D {
-                (at[a], own[a]) = (position[a][k], velocity[a][k]);
-            }
-            let end = if motion.is_adrift[first + k] {
-                motion.flown::<TAKES, MOVES>(at, &mut own)
-            } else {
-                motion.carried::<TAKES, MOVES>(at, &mut own)
-            };
-            for a in 0..D {
-                velocity[a][k] = own[a];
-                if MOVES {
-                    position[a][k] = end[a];
+    unsafe fn run<V: SimdGather>(mut self) {
+        let count = self.position[0].len();
+        for first in (0..count).step_by(V::N) {
+            // SAFETY: by contract.
+            unsafe { self.side_by_side::<V>(first, V::N.min(count - first)) };
+        }
+    }
+}
+
+impl<const TAKES: bool, const MOVES: bool, const D: usize> PiecePass<'_, TAKES, MOVES, D> {
+    /// `count` particles from one on, side by side.
+    ///
+    /// # Safety
+    /// The processor has the instructions of `V`.
+    #[inline(always)]
+    unsafe fn side_by_side<V: SimdGather>(&mut self, first: usize, count: usize) {
+        let motion = self.motion;
+        let position = self.position.each_ref().map(|along| &**along);
+        let mut end = [[0.0; 8]; D];
+        // SAFETY: by contract; no vector has more than eight lanes.
+        unsafe {
+            let at = load_points::<V, D>(position, first, count);
+            let taken = self.take_at_start(at, first, count);
+            if MOVES {
+                let moved = motion.carried(at, &taken);
+                for a in 0..D {
+                    moved[a].store(end[a].as_mut_ptr());
                 }
+            }
+        }
+        for lane in 0..count {
+            let particle = first + lane;
+            if motion.is_adrift[self.first + particle] {
+                self.fly(particle);
+            } else if MOVES {
+                (0..D).for_each(|a| self.position[a][particle] = end[a][lane]);
+            }
+        }
+    }
+
+    /// What particles take where they are. Those that fly keep their velocity.
+    ///
+    /// # Safety
+    /// The processor has the instructions of `V`.
+    #[inline(always)]
+    unsafe fn take_at_start<V: SimdGather>(
+        &mut self,
+        at: [V; D],
+        first: usize,
+        count: usize,
+    ) -> TakenAtStart<D> {
+        let motion = self.motion;
+        let mut taken = [[[0.0; 4]; 8]; D];
+        for a in 0..D {
+            // SAFETY: by contract.
+            let around = unsafe { LaneWeights::new(motion.grid, Some(a), at) }.one_by_one();
+            for lane in 0..count {
+                taken[a][lane] = around.of(lane).values(motion.grid, &motion.start[a]);
+            }
+            for lane in 0..if TAKES { count } else { 0 } {
+                let [new, change, ..] = taken[a][lane];
+                let own = &mut self.velocity[a][first + lane];
+                if !motion.is_adrift[self.first + first + lane] {
+                    *own = match motion.transfer {
+                        Transfer::Blend { pic } => (1.0 - pic) * (*own + change) + pic * new,
+                        Transfer::Affine => new,
+                    };
+                }
+            }
+        }
+        taken
+    }
+
+    /// A particle flies by itself. What meets a wall of the box stays there.
+    #[inline(always)]
+    fn fly(&mut self, particle: usize) {
+        let motion = self.motion;
+        for a in 0..D {
+            let own = &mut self.velocity[a][particle];
+            *own += if TAKES { motion.fall[a] } else { 0.0 };
+            if MOVES {
+                let along = &mut self.position[a][particle];
+                let free = *along + motion.dt * *own;
+                let stays = free.clamp(motion.lower[a], motion.upper[a]);
+                *along = if motion.grid.periodic[a] {
+                    motion.grid.wrapped_along(a, free)
+                } else {
+                    *own = if stays == free { *own } else { 0.0 };
+                    stays
+                };
             }
         }
     }
@@ -170,7 +235,8 @@ impl<const D: usize> ParticleMotion<'_, D> {
         team.for_pieces((cut(position), cut(velocity)), |piece, (position, velocity)| {
             let first = piece * PIECE;
             let motion = self;
-            variant.run(PiecePass::<TAKES, MOVES, D> { motion, first, position, velocity });
+            let pass = PiecePass::<TAKES, MOVES, D> { motion, first, position, velocity };
+            variant.run_in_vectors(pass);
         });
     }
 
@@ -190,72 +256,124 @@ impl<const D: usize> ParticleMotion<'_, D> {
         }
     }
 
-    /// Where a particle comes that flies by itself. What meets a wall of the box stays there.
+    /// Points that stand in the box, or at its other end along axes that wrap around.
     #[inline(always)]
-    fn flown<const TAKES: bool, const MOVES: bool>(
-        &self,
-        start: [f64; D],
-        own: &mut [f64; D],
-    ) -> [f64; D] {
-        if TAKES {
-            (0..D).for_each(|a| own[a] += self.fall[a]);
-        }
-        if !MOVES {
-            return start;
-        }
-        let end: [f64; D] = std::array::from_fn(|a| start[a] + self.dt * own[a]);
-        let kept = self.inside(end);
+    fn inside<V: SimdGather>(&self, point: [V; D]) -> [V; D] {
+        let mut kept = point;
         for a in 0..D {
-            if kept[a] != end[a] && !self.grid.periodic[a] {
-                own[a] = 0.0;
-            }
+            let along = point[a];
+            kept[a] = if self.grid.periodic[a] {
+                let origin = along.all(self.grid.origin[a]);
+                let length = along.all(self.grid.cells[a] as f64 * self.grid.spacing);
+                let along = along.less(origin, along + length, along);
+                (origin + length).at_most(along, along - length, along)
+            } else {
+                along.max(along.all(self.lower[a])).min(along.all(self.upper[a]))
+            };
         }
         kept
     }
 
+    /// Where the flow carries particles.
+    ///
+    /// # Safety
+    /// The processor has the instructions of `V`.
     #[inline(always)]
-    fn inside(&self, point: [f64; D]) -> [f64; D] {
-        std::array::from_fn(|a| {
-            if self.grid.periodic[a] {
-                self.grid.wrapped_along(a, point[a])
-            } else {
-                point[a].clamp(self.lower[a], self.upper[a])
-            }
-        })
-    }
-
-    /// Where the flow carries a particle.
-    #[inline(always)]
-    fn carried<const TAKES: bool, const MOVES: bool>(
-        &self,
-        start: [f64; D],
-        own: &mut [f64; D],
-    ) -> [f64; D] {
-        let Self { grid, after, dt, .. } = *self;
-        let (mut k1, mut apart) = ([0.0; D], [0.0; D]);
+    unsafe fn carried<V: SimdGather>(&self, start: [V; D], taken: &TakenAtStart<D>) -> [V; D] {
+        let (mut k1, mut apart) = (start, start);
         for a in 0..D {
-            let around = HatWeights::new(grid, Some(a), start);
-            let [new, change, shift, _] = around.values(grid, &self.start[a]);
-            (k1[a], apart[a]) = (new, shift);
-            if TAKES {
-                own[a] = match self.transfer {
-                    Transfer::Blend { pic } => (1.0 - pic) * (own[a] + change) + pic * new,
-                    Transfer::Affine => new,
-                };
-            }
+            let speed = taken[a].map(|[new, ..]| new);
+            let shift = taken[a].map(|[_, _, shift, _]| shift);
+            // SAFETY: by contract; no vector has more than eight lanes.
+            (k1[a], apart[a]) = unsafe { (V::load(speed.as_ptr()), V::load(shift.as_ptr())) };
         }
-        if !MOVES {
-            return start;
-        }
-        let shifted = |by: f64, k: [f64; D]| -> [f64; D] {
-            self.inside(std::array::from_fn(|a| start[a] + by * k[a]))
+        // SAFETY: by contract.
+        let (k2, k3) = unsafe {
+            let k2 = self.velocity_from(start, 0.5 * self.dt, k1);
+            (k2, self.velocity_from(start, 0.75 * self.dt, k2))
         };
-        let k2 = velocity_at(grid, after, shifted(0.5 * dt, k1));
-        let k3 = velocity_at(grid, after, shifted(0.75 * dt, k2));
+        let ninth = start[0].all(self.dt / 9.0);
         let mut end = start;
         for a in 0..D {
-            end[a] += dt * (2.0 * k1[a] + 3.0 * k2[a] + 4.0 * k3[a]) / 9.0 + apart[a];
+            let sum = ninth.all(2.0) * k1[a] + ninth.all(3.0) * k2[a] + ninth.all(4.0) * k3[a];
+            end[a] = start[a] + (ninth * sum + apart[a]);
         }
         self.inside(end)
+    }
+
+    /// The velocity where points come that go on for a time at a speed [m/s].
+    ///
+    /// # Safety
+    /// The processor has the instructions of `V`.
+    #[inline(always)]
+    unsafe fn velocity_from<V: SimdGather>(
+        &self,
+        start: [V; D],
+        time: f64,
+        speed: [V; D],
+    ) -> [V; D] {
+        let mut point = start;
+        for a in 0..D {
+            point[a] = start[a] + start[a].all(time) * speed[a];
+        }
+        let point = self.inside(point);
+        let mut velocity = point;
+        for a in 0..D {
+            // SAFETY: by contract.
+            let around = unsafe { LaneWeights::new(self.grid, Some(a), point) };
+            velocity[a] = around.value(self.grid, &self.after[a]);
+        }
+        velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::seeding::seed;
+
+    /// Particles in a vortex, after a few steps in some instructions.
+    fn carried(variant: Variant, periodic: bool) -> ParticleArrays<3> {
+        let grid = StaggeredGrid::<3>::new([7, 6, 5], 0.1, [0.0; 3], [periodic, false, false]);
+        let near = NearRows::whole(&grid);
+        let mut particles = ParticleArrays::new(0.3);
+        seed(&grid, &mut particles, 2, 0.9, 3, |x| x[2] < 0.43, |x| [x[1], -x[0], 0.2]);
+        let faces = |scale: f64| -> FaceVelocity<3> {
+            std::array::from_fn(|a| {
+                (0..grid.stored).map(|at| scale * ((at * (a + 2)) as f64).sin()).collect()
+            })
+        };
+        let (before, after, shift) = (faces(0.9), faces(1.0), faces(1e-4));
+        let mut team = Team::new("test", 2).expect("threads");
+        let mut start = std::array::from_fn(|_| StartValues::new());
+        gather_start_values(&mut team, &near, [&before, &after, &shift], &mut start);
+        let is_adrift: Vec<bool> = (0..particles.len()).map(|k| k % 11 == 3).collect();
+        let motion = ParticleMotion {
+            grid: &grid,
+            after: &after,
+            start: &start,
+            transfer: Transfer::Blend { pic: 0.05 },
+            is_adrift: &is_adrift,
+            dt: 0.02,
+            fall: [0.0, 0.0, -0.2],
+            lower: [0.001; 3],
+            upper: [0.699, 0.599, 0.499],
+        };
+        (0..5).for_each(|_| motion.carry(&mut team, variant, &mut particles));
+        particles
+    }
+
+    #[test]
+    fn every_variant_carries_particles_to_the_same_bits() {
+        for periodic in [false, true] {
+            let portable = carried(Variant::Portable, periodic);
+            let end = [0.7, 0.6, 0.5];
+            assert!((0..portable.len()).all(|k| (0..3).all(|a| portable.at(k)[a] <= end[a])));
+            for variant in Variant::ALL.into_iter().filter(|variant| variant.available()) {
+                let found = carried(variant, periodic);
+                assert_eq!(found.position, portable.position, "{variant:?}");
+                assert_eq!(found.velocity, portable.velocity, "{variant:?}");
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@
 use crate::grid::staggered_grid::{GHOST, StaggeredGrid};
 
 /// Most values around a point.
-const MOST: usize = 8;
+pub(crate) const MOST: usize = 8;
 
 /// Values around a point: the place of the lowest, and the point's shares along each axis.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ impl<const D: usize> HatWeights<D> {
         let inverse = 1.0 / grid.spacing;
         for a in 0..D {
             let shift = if face == Some(a) { 0.0 } else { 0.5 };
-            let along = (point[a] - grid.origin[a]) * inverse - shift + GHOST as f64;
+            let along = (point[a] - grid.origin[a]) * inverse + (GHOST as f64 - shift);
             // Points never lie beyond the ghosts; the clamp keeps a wrong one from reading
             // elsewhere.
             let below = (along as usize).min(grid.cells[a]);
@@ -36,7 +36,7 @@ impl<const D: usize> HatWeights<D> {
 
     /// Steps in memory from the lowest value to each of the `2^D`, of which the first are used.
     #[inline(always)]
-    fn steps(grid: &StaggeredGrid<D>) -> [usize; MOST] {
+    pub(crate) fn steps(grid: &StaggeredGrid<D>) -> [usize; MOST] {
         let mut steps = [0; MOST];
         for a in 0..D {
             for corner in 0..1 << a {
@@ -92,22 +92,6 @@ impl<const D: usize> HatWeights<D> {
                 for (own, beyond) in around[corner].iter_mut().zip(beyond) {
                     *own += self.upper[a] * (beyond - *own);
                 }
-            }
-        }
-        around[0]
-    }
-
-    /// The interpolated value.
-    #[inline(always)]
-    pub fn value(&self, grid: &StaggeredGrid<D>, values: &[f64]) -> f64 {
-        let steps = Self::steps(grid);
-        let mut around = [0.0; MOST];
-        for corner in 0..1 << D {
-            around[corner] = values[self.base + steps[corner]];
-        }
-        for a in (0..D).rev() {
-            for corner in 0..1 << a {
-                around[corner] += self.upper[a] * (around[corner + (1 << a)] - around[corner]);
             }
         }
         around[0]

@@ -3,9 +3,10 @@
 use crate::grid::near_rows::NearRows;
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::hat_weights::HatWeights;
+use crate::particles::lane_weights::{LaneWeights, SideBySide, load_points};
 use crate::particles::particle_arrays::ParticleArrays;
-use tremie_team::Variant;
-use tremie_team::instructions::Work;
+use tremie_team::instructions::VectorWork;
+use tremie_team::{SimdGather, Variant};
 
 /// Weight and weighted velocity that the faces across an axis gather. Those of a face and of the
 /// next along the first axis lie side by side: a particle adds to both at once.
@@ -27,7 +28,7 @@ pub fn to_faces<const D: usize>(
     }
     sums.resize(grid.stored, [0.0; 2]);
     near.fill(sums, [0.0; 2]);
-    variant.run(AddToFaces { grid, particles, axis, sums });
+    variant.run_in_vectors(AddToFaces { grid, particles, axis, sums });
     for at in near.spans().flatten() {
         [mass[at], velocity[at]] = sums[at];
     }
@@ -48,14 +49,23 @@ struct AddToFaces<'a, const D: usize> {
     sums: &'a mut [[f64; 2]],
 }
 
-impl<const D: usize> Work for AddToFaces<'_, D> {
+impl<const D: usize> VectorWork for AddToFaces<'_, D> {
     #[inline(always)]
-    fn run(self) {
+    unsafe fn run<V: SimdGather>(self) {
         let Self { grid, particles, axis, sums } = self;
-        if particles.gradient[axis][0].is_empty() {
-            add_velocities(grid, particles, axis, sums);
-        } else {
-            add_affine_velocities(grid, particles, axis, sums);
+        let is_affine = !particles.gradient[axis][0].is_empty();
+        for first in (0..particles.len()).step_by(V::N) {
+            let count = V::N.min(particles.len() - first);
+            // SAFETY: by contract.
+            let around = unsafe { weights::<V, D>(grid, Some(axis), particles, first, count) };
+            for lane in 0..count {
+                let (around, particle) = (around.of(lane), first + lane);
+                if is_affine {
+                    add_affine_velocity(grid, (particles, particle), axis, around, sums);
+                } else {
+                    add_velocity(grid, particles.velocity[axis][particle], around, sums);
+                }
+            }
         }
     }
 }
@@ -67,62 +77,82 @@ struct AddToCells<'a, const D: usize> {
     mass: &'a mut [f64],
 }
 
-impl<const D: usize> Work for AddToCells<'_, D> {
+impl<const D: usize> VectorWork for AddToCells<'_, D> {
     #[inline(always)]
-    fn run(self) {
+    unsafe fn run<V: SimdGather>(self) {
         let Self { grid, particles, mass } = self;
-        for particle in 0..particles.len() {
-            let around = HatWeights::new(grid, None, particles.at(particle));
-            let shares = [1.0 - around.upper[0], around.upper[0]];
-            for (place, weight) in around.pairs(grid).into_iter().take(1 << (D - 1)) {
-                for (sum, share) in mass[place..place + 2].iter_mut().zip(shares) {
-                    *sum += weight * share;
+        for first in (0..particles.len()).step_by(V::N) {
+            let count = V::N.min(particles.len() - first);
+            // SAFETY: by contract.
+            let around = unsafe { weights::<V, D>(grid, None, particles, first, count) };
+            for lane in 0..count {
+                let around = around.of(lane);
+                let shares = [1.0 - around.upper[0], around.upper[0]];
+                for (place, weight) in around.pairs(grid).into_iter().take(1 << (D - 1)) {
+                    for (sum, share) in mass[place..place + 2].iter_mut().zip(shares) {
+                        *sum += weight * share;
+                    }
                 }
             }
         }
     }
 }
 
-/// Adds what particles bring that have one velocity each.
+/// Weights of values around some particles, from one on.
+///
+/// # Safety
+/// The processor has the instructions of `V`.
 #[inline(always)]
-fn add_velocities<const D: usize>(
+unsafe fn weights<V: SimdGather, const D: usize>(
     grid: &StaggeredGrid<D>,
+    face: Option<usize>,
     particles: &ParticleArrays<D>,
-    axis: usize,
-    sums: &mut [[f64; 2]],
-) {
-    for (particle, &own) in particles.velocity[axis].iter().enumerate() {
-        let around = HatWeights::new(grid, Some(axis), particles.at(particle));
-        let [lower, upper] = [1.0 - around.upper[0], around.upper[0]];
-        let shares = [[lower, lower * own], [upper, upper * own]];
-        for (place, weight) in around.pairs(grid).into_iter().take(1 << (D - 1)) {
-            add_pair(&mut sums[place..place + 2], weight, shares);
-        }
+    first: usize,
+    count: usize,
+) -> SideBySide<D> {
+    let position = particles.position.each_ref().map(|along| &**along);
+    // SAFETY: by contract.
+    unsafe {
+        let at = load_points::<V, D>(position, first, count);
+        LaneWeights::new(grid, face, at).one_by_one()
     }
 }
 
-/// Adds what particles bring whose velocity changes along the axes.
+/// Adds what a particle brings that has one velocity.
 #[inline(always)]
-fn add_affine_velocities<const D: usize>(
+fn add_velocity<const D: usize>(
     grid: &StaggeredGrid<D>,
-    particles: &ParticleArrays<D>,
-    axis: usize,
+    own: f64,
+    around: HatWeights<D>,
     sums: &mut [[f64; 2]],
 ) {
-    for (particle, &own) in particles.velocity[axis].iter().enumerate() {
-        let around = HatWeights::new(grid, Some(axis), particles.at(particle));
-        let slope: [f64; D] =
-            std::array::from_fn(|a| particles.gradient[axis][a][particle] * grid.spacing);
-        let base: f64 = own - (0..D).map(|a| slope[a] * around.upper[a]).sum::<f64>();
-        let [lower, upper] = [1.0 - around.upper[0], around.upper[0]];
-        let pairs = around.pairs(grid).into_iter().take(1 << (D - 1));
-        for (number, (place, weight)) in pairs.enumerate() {
-            let there = (1..D).fold(base, |there, a| {
-                there + if number >> (a - 1) & 1 == 1 { slope[a] } else { 0.0 }
-            });
-            let shares = [[lower, lower * there], [upper, upper * (there + slope[0])]];
-            add_pair(&mut sums[place..place + 2], weight, shares);
-        }
+    let [lower, upper] = [1.0 - around.upper[0], around.upper[0]];
+    let shares = [[lower, lower * own], [upper, upper * own]];
+    for (place, weight) in around.pairs(grid).into_iter().take(1 << (D - 1)) {
+        add_pair(&mut sums[place..place + 2], weight, shares);
+    }
+}
+
+/// Adds what a particle brings whose velocity changes along the axes.
+#[inline(always)]
+fn add_affine_velocity<const D: usize>(
+    grid: &StaggeredGrid<D>,
+    (particles, particle): (&ParticleArrays<D>, usize),
+    axis: usize,
+    around: HatWeights<D>,
+    sums: &mut [[f64; 2]],
+) {
+    let slope: [f64; D] =
+        std::array::from_fn(|a| particles.gradient[axis][a][particle] * grid.spacing);
+    let own = particles.velocity[axis][particle];
+    let base: f64 = own - (0..D).map(|a| slope[a] * around.upper[a]).sum::<f64>();
+    let [lower, upper] = [1.0 - around.upper[0], around.upper[0]];
+    let pairs = around.pairs(grid).into_iter().take(1 << (D - 1));
+    for (number, (place, weight)) in pairs.enumerate() {
+        let there = (1..D)
+            .fold(base, |there, a| there + if number >> (a - 1) & 1 == 1 { slope[a] } else { 0.0 });
+        let shares = [[lower, lower * there], [upper, upper * (there + slope[0])]];
+        add_pair(&mut sums[place..place + 2], weight, shares);
     }
 }
 
@@ -144,7 +174,7 @@ pub fn to_cells<const D: usize>(
 ) {
     near.clear_left(mass, 0.0);
     near.fill(mass, 0.0);
-    variant.run(AddToCells { grid, particles, mass });
+    variant.run_in_vectors(AddToCells { grid, particles, mass });
     grid.ghosts.fold(mass);
     near.spans().flatten().for_each(|at| mass[at] *= particles.mass);
 }
