@@ -1,6 +1,5 @@
 //! The discrete elements as a component of a run.
 
-use crate::contact::plane_walls;
 use crate::grains::findings::{findings, limits};
 use crate::grains::followed::{self, Follow};
 use crate::grains::signals::{
@@ -13,6 +12,7 @@ use crate::setup::resolution::Resolution;
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
+use tremie_grains_kit::space::plane_walls;
 use tremie_sdk::messages::frame::{ProfileBin, ProfileHeader};
 use tremie_sdk::messages::scene::{GrainProfile, Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};

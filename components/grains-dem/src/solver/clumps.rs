@@ -234,7 +234,7 @@ fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::prescribed_motion::turn;
+    use tremie_grains_kit::motion::prescribed_motion::turn;
 
     #[test]
     fn the_product_of_rotations_is_one_after_the_other() {

@@ -1,21 +1,21 @@
 //! Pairs of bodies near each other.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::{BoundingSphere, Mobility};
 use crate::neighbours::linked_cells::LinkedCells;
+use crate::space::rigid_body::{BoundingSphere, Mobility};
 
 /// A body near another one, as the other sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Neighbour {
+pub struct Neighbour {
     /// Index of the body.
     pub other: u32,
-    /// Image through which it is seen; see [`crate::math::periodic::image`].
+    /// Image through which it is seen; see [`crate::space::periodic::image`].
     pub image: u32,
 }
 
 /// Rows of neighbours, one a body; each pair of bodies stands in one row.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CellPairs {
+pub struct CellPairs {
     /// `start[i]..start[i + 1]` are the entries of body i.
     pub start: Vec<u32>,
     /// The neighbours.
@@ -56,7 +56,7 @@ impl CellPairs {
 /// distance. So the row of a body holds none that are much smaller: each of thousands of grains on
 /// a large one lists it.
 #[inline(always)]
-pub(crate) fn near(
+pub fn near(
     cells: &LinkedCells,
     shifts: &[Vec3; 27],
     balls: &[BoundingSphere],
@@ -86,16 +86,16 @@ pub(crate) fn near(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::periodic::PeriodicBox;
     use crate::math::random::Random;
     use crate::neighbours::size_classes::Skins;
+    use crate::space::periodic::PeriodicBox;
     use proptest::prelude::*;
     use tremie_messages::scene::{Domain, Face};
 
     const FREE: Mobility = Mobility {
         inverse_mass: 1.0,
         inverse_inertia: 1.0,
-        clump: crate::bodies::body_arrays::ALONE,
+        clump: crate::space::rigid_body::ALONE,
     };
 
     /// Balls of classes of sizes, each class half as wide as the one before, `ratio` apart at most;

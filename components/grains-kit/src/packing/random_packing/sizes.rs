@@ -5,21 +5,27 @@ use tremie_messages::scene::{Diameters, SievePoint};
 
 /// A distribution by number, ready to draw from.
 #[derive(Clone, Debug)]
-pub(crate) enum Sizes {
+pub enum Sizes {
+    /// All diameters between two bounds alike.
     Uniform {
+        /// The smallest [m].
         min: f64,
+        /// The largest [m].
         max: f64,
     },
+    /// A normal distribution.
     Normal(CutNormal),
     /// A normal distribution of the logarithm.
     LogNormal(CutNormal),
+    /// A sieve curve.
     Sieve(Vec<Stage>),
+    /// A list, each entry equally likely [m].
     Listed(Vec<f64>),
 }
 
 /// Normal distribution cut at two bounds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CutNormal {
+pub struct CutNormal {
     mean: f64,
     deviation: f64,
     min: f64,
@@ -28,7 +34,7 @@ pub(crate) struct CutNormal {
 
 /// Grains between two sieves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stage {
+pub struct Stage {
     /// Share of the number of grains up to its upper end.
     up_to: f64,
     /// Share of the number in it.
@@ -38,9 +44,10 @@ pub(crate) struct Stage {
 }
 
 /// Least part of a normal distribution that must lie between its bounds.
-pub(crate) const LEAST_PART: f64 = 1e-6;
+pub const LEAST_PART: f64 = 1e-6;
 
 impl Sizes {
+    /// The distribution of some diameters.
     pub fn new(diameters: &Diameters) -> Self {
         match diameters {
             Diameters::Uniform { min, max } => Self::Uniform { min: *min, max: *max },

@@ -1,19 +1,15 @@
 //! Checks of a distribution of diameters.
 
+use crate::checks::numbers::not_positive;
 use crate::math::numbers::is_positive;
 use crate::packing::random_packing::{LEAST_PART, Sizes};
-use crate::setup::check::not_positive;
 use tremie_messages::{
     Problem,
     scene::{Diameters, SievePoint},
 };
 
 /// The largest diameter [m], if all is valid.
-pub(crate) fn diameters(
-    key: &str,
-    diameters: &Diameters,
-    problems: &mut Vec<Problem>,
-) -> Option<f64> {
+pub fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> Option<f64> {
     let before = problems.len();
     let largest = match diameters {
         Diameters::Uniform { min, max } => {

@@ -5,13 +5,15 @@ use super::{
     insertion::{Grid, fits},
 };
 use crate::Vec3;
-use crate::bodies::body_arrays::BoundingSphere;
 use crate::math::random::Random;
+use crate::space::rigid_body::BoundingSphere;
+use crate::space::solid_part::SolidPart;
 use tremie_messages::scene::Packing;
 
 /// The side of a region from which spheres come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Upstream {
+pub struct Upstream {
+    /// Its axis: 0, 1, 2 for x, y, z.
     pub axis: usize,
     /// 0 for the lower side, 1 for the upper.
     pub side: usize,
@@ -28,14 +30,14 @@ impl Upstream {
 }
 
 /// A region with its spheres and parts.
-pub(crate) struct Feeding<'a> {
-    region: PackingRegion<'a>,
+pub struct Feeding<'a, P> {
+    region: PackingRegion<'a, P>,
     grid: Grid,
 }
 
-impl<'a> Feeding<'a> {
+impl<'a, P: SolidPart> Feeding<'a, P> {
     /// The region of a packing, for spheres up to a radius [m].
-    pub fn new(packing: &Packing, around: &PackingSurroundings<'a>, largest: f64) -> Self {
+    pub fn new(packing: &Packing, around: &PackingSurroundings<'a, P>, largest: f64) -> Self {
         let region = PackingRegion::new(packing, around, largest);
         let mut grid = Grid::new(&region, std::iter::once(largest));
         region.obstacles.iter().for_each(|&ball| grid.add(ball));

@@ -1,9 +1,9 @@
 //! Checks of a packing.
 
 use crate::Vec3;
+use crate::checks::check_sizes;
+use crate::checks::numbers::AXES;
 use crate::packing::random_packing::Sizes;
-use crate::setup::check::AXES;
-use crate::setup::check_sizes;
 use tremie_messages::{
     Problem,
     scene::{Domain, Packing},
@@ -14,7 +14,7 @@ const MOST_SPHERES: f64 = 1e8;
 
 /// Checks region, fraction and diameters, of bodies whose spheres around them are so many times as
 /// wide.
-pub(crate) fn packing(
+pub fn packing(
     key: &str,
     packing: &Packing,
     around: f64,

@@ -12,10 +12,11 @@
 
 use super::{PackingRegion, insertion, place_stream};
 use crate::Vec3;
-use crate::bodies::body_arrays::{BoundingSphere, Mobility};
 use crate::neighbours::cell_pairs::{CellPairs, Neighbour};
 use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::size_classes::{Leash, Skins};
+use crate::space::rigid_body::{BoundingSphere, Mobility};
+use crate::space::solid_part::SolidPart;
 use core::f64::consts::PI;
 
 /// Sweeps before the fraction is called out of reach.
@@ -40,7 +41,7 @@ const SPARSE: [f64; 3] = [0.25, 0.15, 0.08];
 
 /// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
 pub(super) fn relax(
-    region: &PackingRegion<'_>,
+    region: &PackingRegion<'_, impl SolidPart>,
     radii: &[f64],
     seed: u64,
 ) -> Result<Vec<BoundingSphere>, f64> {
@@ -65,7 +66,11 @@ pub(super) fn relax(
 
 /// Start positions: those of the spheres while they are small enough to fit, or random places if
 /// they never fit.
-fn starts(region: &PackingRegion<'_>, radii: &[f64], seed: u64) -> Vec<BoundingSphere> {
+fn starts(
+    region: &PackingRegion<'_, impl SolidPart>,
+    radii: &[f64],
+    seed: u64,
+) -> Vec<BoundingSphere> {
     let small = SPARSE.iter().find_map(|&fraction| grown(region, radii, fraction, seed));
     small.unwrap_or_else(|| {
         (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect()
@@ -74,7 +79,7 @@ fn starts(region: &PackingRegion<'_>, radii: &[f64], seed: u64) -> Vec<BoundingS
 
 /// The spheres, where they fit if they are so small that they fill a fraction of the region.
 fn grown(
-    region: &PackingRegion<'_>,
+    region: &PackingRegion<'_, impl SolidPart>,
     radii: &[f64],
     fraction: f64,
     seed: u64,
@@ -95,7 +100,12 @@ fn grown(
 
 /// A sphere at the first of its random places whose centre is in no part. One that began in a part
 /// could be driven out through a face behind which there is no room.
-fn start(region: &PackingRegion<'_>, radius: f64, seed: u64, index: usize) -> BoundingSphere {
+fn start(
+    region: &PackingRegion<'_, impl SolidPart>,
+    radius: f64,
+    seed: u64,
+    index: usize,
+) -> BoundingSphere {
     let mut random = place_stream(seed, index);
     let mut place = || BoundingSphere { x: region.random_centre(radius, &mut random), radius };
     let mut ball = place();
@@ -112,8 +122,8 @@ fn start(region: &PackingRegion<'_>, radius: f64, seed: u64, index: usize) -> Bo
 const TRIES: usize = 1000;
 
 /// The spheres of the packing, then the obstacles.
-struct OverlappingSpheres<'a> {
-    region: &'a PackingRegion<'a>,
+struct OverlappingSpheres<'a, P> {
+    region: &'a PackingRegion<'a, P>,
     free: usize,
     balls: Vec<BoundingSphere>,
     mobility: Vec<Mobility>,
@@ -124,8 +134,8 @@ struct OverlappingSpheres<'a> {
     clear: Vec<(Vec3, f64)>,
 }
 
-impl<'a> OverlappingSpheres<'a> {
-    fn new(region: &'a PackingRegion<'a>, radii: &[f64], seed: u64) -> Self {
+impl<'a, P: SolidPart> OverlappingSpheres<'a, P> {
+    fn new(region: &'a PackingRegion<'a, P>, radii: &[f64], seed: u64) -> Self {
         let mut balls = starts(region, radii, seed);
         balls.extend(&region.obstacles);
         let mobile = Mobility { inverse_mass: 1.0, ..Mobility::NONE };

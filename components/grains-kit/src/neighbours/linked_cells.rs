@@ -8,13 +8,13 @@
 //! 2012).
 
 use crate::Vec3;
-use crate::bodies::body_arrays::BoundingSphere;
-use crate::math::periodic::{PeriodicBox, image};
 use crate::neighbours::size_classes::Skins;
+use crate::space::periodic::{PeriodicBox, image};
+use crate::space::rigid_body::BoundingSphere;
 
 /// Bodies sorted by cell. Buffers are kept from one sorting to the next.
 #[derive(Clone, Debug)]
-pub(crate) struct LinkedCells {
+pub struct LinkedCells {
     bounds: PeriodicBox,
     skins: Skins,
     /// True if cells fill the box of the bodies where the whole domain would take too many.

@@ -8,7 +8,7 @@ use crate::Vec3;
 
 /// A triangle as a contact sees it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Triangle {
+pub struct Triangle {
     /// Corners [m].
     pub corners: [Vec3; 3],
     /// Unit normal, to the side where bodies are.
@@ -22,9 +22,10 @@ pub(crate) struct Triangle {
 /// bodies: bits 0 to 2 and 3 to 5. What is closest to one of them on one side of it is closer to
 /// the other side, so that nothing touches there alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Grooves(pub u8);
+pub struct Grooves(pub u8);
 
 impl Grooves {
+    /// None of them.
     pub const NONE: Self = Self(0);
 
     /// True if a feature, an edge (1) or a corner (2) of a number, is a groove.
@@ -45,7 +46,7 @@ impl Triangle {
 }
 
 /// The point of a triangle that is closest to `x`, on whichever side.
-pub(crate) fn closest_point(x: Vec3, triangle: &Triangle) -> Vec3 {
+pub fn closest_point(x: Vec3, triangle: &Triangle) -> Vec3 {
     border(x, triangle).map_or_else(
         || x - triangle.normal * (x - triangle.corners[0]).dot(&triangle.normal),
         |(_, _, point)| point,
@@ -53,7 +54,7 @@ pub(crate) fn closest_point(x: Vec3, triangle: &Triangle) -> Vec3 {
 }
 
 /// Distance of a point from a triangle [m].
-pub(crate) fn distance(x: Vec3, corners: [Vec3; 3]) -> f64 {
+pub fn distance(x: Vec3, corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = corners;
     let normal = (b - a).cross(&(c - a));
     let normal = normal / normal.norm_squared().sqrt();
@@ -65,7 +66,7 @@ pub(crate) fn distance(x: Vec3, corners: [Vec3; 3]) -> f64 {
 /// corner, 2, and on which; none where the closest point lies within (Ericson, *Real-Time Collision
 /// Detection*, 2005, sec. 5.1.5).
 #[inline(always)]
-pub(crate) fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, u8, Vec3)> {
+pub fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, u8, Vec3)> {
     let [a, b, c] = triangle.corners;
     let (ab, ac, bc) = (b - a, c - a, c - b);
     let (ap, bp, cp) = (x - a, x - b, x - c);

@@ -2,9 +2,10 @@
 
 use super::{PackingRegion, place_stream};
 use crate::Vec3;
-use crate::bodies::body_arrays::BoundingSphere;
-use crate::math::periodic::PeriodicBox;
 use crate::neighbours::size_classes::Skins;
+use crate::space::periodic::PeriodicBox;
+use crate::space::rigid_body::BoundingSphere;
+use crate::space::solid_part::SolidPart;
 
 /// Places tried for one sphere before insertion is given up.
 const TRIES: usize = 2000;
@@ -21,7 +22,7 @@ pub(super) fn order(radii: &[f64]) -> Vec<usize> {
 /// Inserts spheres of the given radii, and gives them in that [`order`]; `None` when one does not
 /// fit.
 pub(super) fn insert(
-    region: &PackingRegion<'_>,
+    region: &PackingRegion<'_, impl SolidPart>,
     radii: &[f64],
     seed: u64,
 ) -> Option<Vec<BoundingSphere>> {
@@ -39,7 +40,11 @@ pub(super) fn insert(
     Some(grid.balls.split_off(region.obstacles.len()))
 }
 
-pub(super) fn fits(region: &PackingRegion<'_>, grid: &Grid, ball: &BoundingSphere) -> bool {
+pub(super) fn fits(
+    region: &PackingRegion<'_, impl SolidPart>,
+    grid: &Grid,
+    ball: &BoundingSphere,
+) -> bool {
     region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0)
         && !grid.overlaps(ball)
         && region.depth_in_parts(ball).0 <= 0.0
@@ -67,7 +72,10 @@ struct InsertionLevel {
 
 impl Grid {
     /// For the obstacles of a region and spheres of the given radii; others may come too.
-    pub fn new(region: &PackingRegion<'_>, radii: impl Iterator<Item = f64> + Clone) -> Self {
+    pub fn new(
+        region: &PackingRegion<'_, impl SolidPart>,
+        radii: impl Iterator<Item = f64> + Clone,
+    ) -> Self {
         let radii = region.obstacles.iter().map(|ball| ball.radius).chain(radii);
         let skins = Skins::new(radii.clone().map(|radius| [2.0 * radius; 2]), 0.0, 0.0);
         let mut members = vec![0; skins.count()];
@@ -125,7 +133,7 @@ impl Grid {
 
 impl InsertionLevel {
     /// Cells no smaller than `edge` [m], and few for so many spheres.
-    fn new(region: &PackingRegion<'_>, edge: f64, spheres: i64) -> Self {
+    fn new(region: &PackingRegion<'_, impl SolidPart>, edge: f64, spheres: i64) -> Self {
         let (min, size) = (region.bounds.min, region.bounds.size);
         let mut least = edge;
         let count = loop {

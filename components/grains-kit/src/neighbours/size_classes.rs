@@ -13,7 +13,7 @@ const MOST: usize = 24;
 /// The classes of a set of bodies, and the skins beyond the reach of forces within which pairs are
 /// listed.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Skins {
+pub struct Skins {
     /// Largest diameter of each class [m], descending; there is at least one class.
     largest: Vec<f64>,
     /// Skin of each class [m].
@@ -95,7 +95,7 @@ impl Skins {
 
 /// Limit of the displacements of bodies until lists are due.
 #[derive(Clone, Copy)]
-pub(crate) struct Leash<'a> {
+pub struct Leash<'a> {
     skins: &'a Skins,
     /// Class of each body, in the order of memory; nothing where there is but one.
     classes: &'a [u8],

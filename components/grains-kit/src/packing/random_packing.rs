@@ -5,16 +5,16 @@ mod insertion;
 mod relaxation;
 mod sizes;
 
-pub(crate) use feeding::{Feeding, Upstream};
-pub(crate) use sizes::{LEAST_PART, Sizes};
+pub use feeding::{Feeding, Upstream};
+pub use sizes::{LEAST_PART, Sizes};
 
 use crate::Vec3;
-use crate::bodies::body_arrays::BoundingSphere;
-use crate::bodies::placed_parts::PlacedPart;
-use crate::contact::plane_walls::{self, Wall};
-use crate::math::periodic::PeriodicBox;
 use crate::math::random::Random;
 use crate::neighbours::linked_cells::LinkedCells;
+use crate::space::periodic::PeriodicBox;
+use crate::space::plane_walls::{self, Wall};
+use crate::space::rigid_body::BoundingSphere;
+use crate::space::solid_part::SolidPart;
 use core::f64::consts::PI;
 use tremie_messages::scene::{BodySet, BodySizes, Domain, Face, Packing};
 
@@ -23,9 +23,9 @@ use tremie_messages::scene::{BodySet, BodySizes, Domain, Face, Packing};
 const DENSEST_INSERTION: f64 = 0.25;
 
 /// Obstacles of a packing.
-pub(crate) struct PackingSurroundings<'a> {
+pub struct PackingSurroundings<'a, P> {
     /// Parts, in whose solid no sphere may be.
-    pub parts: &'a [PlacedPart],
+    pub parts: &'a [P],
     /// The domain.
     pub bounds: PeriodicBox,
     /// Walls that may cut through the region.
@@ -37,21 +37,21 @@ pub(crate) struct PackingSurroundings<'a> {
 /// A packing could not be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("is {wanted:.4}, but only {reached:.4} was reached without overlap in this region")]
-pub(crate) struct TooDense {
+pub struct TooDense {
     wanted: f64,
     reached: f64,
 }
 
 /// A part, and the shift of a point of the region to the part's image [m].
-struct Obstacle<'a> {
-    part: &'a PlacedPart,
+struct Obstacle<'a, P> {
+    part: &'a P,
     shift: Vec3,
 }
 
 /// The region of a packing as the two methods see it: bodies in the way, and walls all around, but
 /// for axes along which it fills a periodic domain from face to face: there it wraps around.
-struct PackingRegion<'a> {
-    parts: Vec<Obstacle<'a>>,
+struct PackingRegion<'a, P> {
+    parts: Vec<Obstacle<'a, P>>,
     bounds: PeriodicBox,
     walls: Vec<Wall>,
     obstacles: Vec<BoundingSphere>,
@@ -59,7 +59,7 @@ struct PackingRegion<'a> {
 
 /// Diameters [m] of the bodies of a set, or of spheres of equal volume, in the order in which a
 /// packing draws them.
-pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
+pub fn diameters_of(set: &BodySet) -> Vec<f64> {
     match set.placement.sizes() {
         BodySizes::Listed(diameters) => diameters,
         BodySizes::Packed(packing) => diameters(packing),
@@ -87,10 +87,10 @@ fn diameters(packing: &Packing) -> Vec<f64> {
 
 /// Makes a packing of spheres `wider` times as wide as the diameters say, which hold bodies of as
 /// much volume as these have; they are ordered by place, so that neighbours have near numbers.
-pub(crate) fn pack(
+pub fn pack(
     packing: &Packing,
     wider: f64,
-    around: &PackingSurroundings<'_>,
+    around: &PackingSurroundings<'_, impl SolidPart>,
 ) -> Result<Vec<BoundingSphere>, TooDense> {
     let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d * wider).collect();
     let region = PackingRegion::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
@@ -107,8 +107,8 @@ pub(crate) fn pack(
     Ok(by_place(&region, &balls))
 }
 
-impl<'a> PackingRegion<'a> {
-    fn new(packing: &Packing, around: &PackingSurroundings<'a>, largest_radius: f64) -> Self {
+impl<'a, P: SolidPart> PackingRegion<'a, P> {
+    fn new(packing: &Packing, around: &PackingSurroundings<'a, P>, largest_radius: f64) -> Self {
         let bounds = region_bounds(packing, &around.bounds);
         let mut walls =
             plane_walls::of_box(packing.min, packing.max, |axis, _| !bounds.periodic[axis]);
@@ -130,7 +130,7 @@ impl<'a> PackingRegion<'a> {
             }
         }
         let shifts: Vec<Vec3> = around.bounds.images().collect();
-        let of = |part: &'a PlacedPart| {
+        let of = |part: &'a P| {
             let seen = shifts.iter().filter(|shift| part.is_seen(**shift));
             seen.map(move |&shift| Obstacle { part, shift })
         };
@@ -141,7 +141,7 @@ impl<'a> PackingRegion<'a> {
     /// Depth of a sphere in parts [m], and the direction out of them. For a sphere clear of parts
     /// it is negative: the distance that the sphere may move before it can touch one.
     fn depth_in_parts(&self, ball: &BoundingSphere) -> (f64, Vec3) {
-        let of = |obstacle: &Obstacle<'_>| {
+        let of = |obstacle: &Obstacle<'_, P>| {
             let (distance, direction) = obstacle.part.clearance(ball.x + obstacle.shift);
             (ball.radius - distance, direction)
         };
@@ -190,7 +190,10 @@ fn place_stream(seed: u64, index: usize) -> Random {
 }
 
 /// The spheres in the order of cells a diameter wide.
-fn by_place(region: &PackingRegion<'_>, balls: &[BoundingSphere]) -> Vec<BoundingSphere> {
+fn by_place(
+    region: &PackingRegion<'_, impl SolidPart>,
+    balls: &[BoundingSphere],
+) -> Vec<BoundingSphere> {
     let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
     let mut cells = LinkedCells::over(region.bounds.clone(), 2.0 * largest);
     cells.sort(balls);

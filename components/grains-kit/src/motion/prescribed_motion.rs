@@ -1,13 +1,13 @@
 //! Motions that the scene prescribes, integrated exactly.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::Twist;
+use crate::space::rigid_body::Twist;
 use tremie_messages::scene::{Course, MotionPoint, TimedMotion};
 
 /// Velocities over time with their integrals: linear between points, or constant ones times a
 /// factor.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Path {
+pub struct Path {
     points: Vec<MotionKnot>,
     factor: Option<(Twist, Course)>,
 }
@@ -104,7 +104,7 @@ impl MotionKnot {
 
 /// The orientation `q`, a unit quaternion `(x, y, z, w)`, turned by a rotation vector in the world
 /// frame, exactly.
-pub(crate) fn turn(q: [f64; 4], rotation: Vec3) -> [f64; 4] {
+pub fn turn(q: [f64; 4], rotation: Vec3) -> [f64; 4] {
     let angle = rotation.norm_squared().sqrt();
     // sin(angle/2)/angle, by its series where the quotient would lose digits.
     let s = if angle > 1e-4 { libm::sin(0.5 * angle) / angle } else { 0.5 - angle * angle / 48.0 };

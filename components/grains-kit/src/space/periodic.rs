@@ -5,7 +5,7 @@ use tremie_messages::scene::Domain;
 
 /// The domain's box as the search for neighbours sees it.
 #[derive(Clone, Debug)]
-pub(crate) struct PeriodicBox {
+pub struct PeriodicBox {
     /// Lower corner [m].
     pub min: Vec3,
     /// Edge lengths [m].
@@ -21,14 +21,15 @@ pub(crate) struct PeriodicBox {
 
 /// The image that is the body itself.
 #[cfg(any(test, target_arch = "x86_64"))]
-pub(crate) const SELF_IMAGE: u32 = 13;
+pub const SELF_IMAGE: u32 = 13;
 
 /// Number of the image displaced by `offset` domain lengths (-1, 0 or 1 an axis).
-pub(crate) fn image(offset: [i32; 3]) -> u32 {
+pub fn image(offset: [i32; 3]) -> u32 {
     ((offset[0] + 1) + 3 * (offset[1] + 1) + 9 * (offset[2] + 1)) as u32
 }
 
 impl PeriodicBox {
+    /// The box of a domain.
     pub fn new(domain: &Domain) -> Self {
         let size = Vec3::from(domain.size());
         let mut shifts = [Vec3::zeros(); 27];
