@@ -1,8 +1,8 @@
 //! Plane walls, and the faces of the domain that slide along themselves.
 
+use crate::Vec3;
 use crate::impact::collision::{Collider, ImpactLaw};
 use crate::impact::impact_laws::ImpactLaws;
-use crate::Vec3;
 use tremie_grains_kit::space::plane_walls::{self, Sliding, Wall};
 use tremie_messages::scene::Scene;
 
@@ -27,12 +27,6 @@ impl HardWalls {
         Self { walls, materials, sliding, impulses }
     }
 
-    /// Walls that stand still, all of one material.
-    pub fn of(walls: Vec<Wall>) -> Self {
-        let (materials, impulses) = (vec![0; walls.len()], vec![Vec3::zeros(); walls.len()]);
-        Self { walls, materials, sliding: Vec::new(), impulses }
-    }
-
     /// Gives walls that slide their velocities at a time of the run [s].
     pub fn set_time(&mut self, time: f64) {
         for sliding in &self.sliding {
@@ -43,7 +37,7 @@ impl HardWalls {
     /// A wall as a partner in a collision.
     pub fn collider(&self, wall: usize) -> Collider {
         let v = self.walls[wall].velocity;
-        Collider { v, w: Vec3::zeros(), radius: 0.0, inverse_mass: 0.0 }
+        Collider { v, ..Collider::STILL }
     }
 
     /// The law between a wall and a material; a symmetry plane has no friction.

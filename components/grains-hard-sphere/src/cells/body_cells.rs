@@ -57,11 +57,6 @@ impl BodyCells {
         }
     }
 
-    /// Number of cells.
-    pub fn cells(&self) -> usize {
-        self.first.len()
-    }
-
     /// Bytes that so many bodies and their cells take.
     pub fn memory(bodies: usize) -> u64 {
         (bodies * (2 * size_of::<u32>() + size_of::<[u16; 3]>() + size_of::<u32>())) as u64
@@ -133,13 +128,7 @@ impl BodyCells {
 
     /// Visits the bodies of the cells beside a cell that lie on one side of it along an axis.
     #[inline(always)]
-    pub fn ahead(
-        &self,
-        cell: [u16; 3],
-        axis: usize,
-        is_up: bool,
-        visit: impl FnMut(usize, Vec3),
-    ) {
+    pub fn ahead(&self, cell: [u16; 3], axis: usize, is_up: bool, visit: impl FnMut(usize, Vec3)) {
         let mut beside = [0, 1, 2].map(|a| self.beside(cell[a], a));
         let (cells, count) = &mut beside[axis];
         let wanted = if is_up { cells[2] } else { cells[0] };

@@ -191,10 +191,13 @@ fn root_between<const N: usize>(p: &[f64; N], mut low: f64, mut high: f64) -> f6
         if f == 0.0 {
             return s;
         }
-        if (f > 0.0) == falls { low = s } else { high = s }
+        if (f > 0.0) == falls {
+            low = s
+        } else {
+            high = s
+        }
         let newton = s - f / slope;
-        let next =
-            if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
         if next == s || next == low || next == high {
             return next;
         }

@@ -26,6 +26,16 @@ pub struct Collider {
     pub inverse_mass: f64,
 }
 
+impl Collider {
+    /// A wall that stands still.
+    pub const STILL: Self = Self {
+        v: Vec3::new(0.0, 0.0, 0.0),
+        w: Vec3::new(0.0, 0.0, 0.0),
+        radius: 0.0,
+        inverse_mass: 0.0,
+    };
+}
+
 /// Surfaces of two bodies as an impact finds them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactLaw {
@@ -102,9 +112,8 @@ mod tests {
     }
 
     fn collider() -> impl Strategy<Value = Collider> {
-        (vector(), vector(), 0.1f64..2.0, 0.1f64..10.0).prop_map(|(v, w, radius, inverse_mass)| {
-            Collider { v, w, radius, inverse_mass }
-        })
+        (vector(), vector(), 0.1f64..2.0, 0.1f64..10.0)
+            .prop_map(|(v, w, radius, inverse_mass)| Collider { v, w, radius, inverse_mass })
     }
 
     fn energy(body: &Collider, kappa: f64) -> f64 {
@@ -119,8 +128,7 @@ mod tests {
 
     fn collide(law: &ImpactLaw, n: Vec3, pair: &mut [Collider; 2], kappa: f64) -> Impulse {
         let approach = (pair[0].v - pair[1].v).dot(&n);
-        let impulse =
-            law.impulse(n, [&pair[0], &pair[1]], law.restitution * approach, kappa);
+        let impulse = law.impulse(n, [&pair[0], &pair[1]], law.restitution * approach, kappa);
         impulse.kick(&mut pair[0], n, -1.0, kappa);
         impulse.kick(&mut pair[1], n, 1.0, kappa);
         impulse

@@ -37,11 +37,6 @@ impl ImpactLaws {
         Self { materials, of_pair }
     }
 
-    /// The same law for all: of one material.
-    pub fn one(law: ImpactLaw) -> Self {
-        Self { materials: vec![String::new()], of_pair: vec![law] }
-    }
-
     /// Number of a material of the scene.
     pub fn material(&self, name: &str) -> u16 {
         // Every material of the scene is in the table.

@@ -77,12 +77,8 @@ fn on_edge(path: &CentrePath, radius: f64, (from, to): (Vec3, Vec3), until: f64)
     let length = along.norm_squared().sqrt();
     let u = along / length;
     let across = |q: Vec3| q - u * q.dot(&u);
-    let axis = Approach {
-        x: across(path.x - from),
-        v: across(path.v),
-        a: across(path.a),
-        reach: radius,
-    };
+    let axis =
+        Approach { x: across(path.x - from), v: across(path.v), a: across(path.a), reach: radius };
     let s = axis.first_touch(until)?;
     let place = (path.at(s) - from).dot(&u);
     (place >= 0.0 && place <= length).then_some(s)
@@ -128,8 +124,7 @@ mod tests {
     #[test]
     fn edges_and_corners_are_touched_beside_the_face() {
         let fall = |x: f64, y: f64| {
-            let path =
-                CentrePath { x: Vec3::new(x, y, 1.0), v: -Vec3::z(), a: Vec3::zeros() };
+            let path = CentrePath { x: Vec3::new(x, y, 1.0), v: -Vec3::z(), a: Vec3::zeros() };
             first_touch(&path, 0.2, &triangle(), 5.0)
         };
         let (s, n) = fall(0.25, 0.25).unwrap();

@@ -8,6 +8,7 @@
 use crate::Vec3;
 use crate::bodies::hard_body::{HardBody, NEVER};
 use crate::impact::approach::{Approach, first_landing};
+use crate::impact::collision::{Collider, ImpactLaw};
 use crate::impact::guards::Guard;
 use crate::solver::event_queue::EventQueue;
 use crate::solver::hard_system::HardSystem;
@@ -287,8 +288,7 @@ fn bounce_off_part(system: &mut HardSystem, i: usize, place: usize) {
         return;
     };
     let law = system.parts.law(place, system.bodies[i].material, &system.laws);
-    let partner = system.walls_at_rest();
-    let impulse = bounce_off(system, i, n, &partner, &law);
+    let impulse = bounce_off(system, i, n, &Collider::STILL, &law);
     system.parts.push(place, &system.bodies[i], n, -impulse);
 }
 
@@ -297,8 +297,8 @@ fn bounce_off(
     system: &mut HardSystem,
     i: usize,
     n: Vec3,
-    partner: &crate::impact::collision::Collider,
-    law: &crate::impact::collision::ImpactLaw,
+    partner: &Collider,
+    law: &ImpactLaw,
 ) -> Vec3 {
     let body = &system.bodies[i];
     let speed = (partner.v - body.v).dot(&n).max(0.0);

@@ -3,4 +3,5 @@
 pub mod check_packing;
 pub mod check_scene;
 pub mod check_sizes;
+pub mod loads;
 pub mod numbers;
