@@ -8,6 +8,7 @@
 //! | [`neighbours`] | linked cells in levels of sizes, pairs near each other |
 //! | [`packing`] | bodies placed at random |
 //! | [`checks`] | checks of a scene, with a problem for each fault |
+//! | [`signals`] | signals of single bodies, and which bodies have them |
 //! | [`profiles`] | tables of fraction, velocity, fluctuation, coordination and stress over the bins of a box |
 //!
 //! Nothing here knows how grains touch, or how messages travel. A profile of two made-up grains, of
@@ -49,6 +50,7 @@ pub mod motion;
 pub mod neighbours;
 pub mod packing;
 pub mod profiles;
+pub mod signals;
 pub mod space;
 
 /// A vector in the world frame.

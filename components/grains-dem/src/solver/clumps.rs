@@ -13,7 +13,8 @@ use crate::bodies::drag_bands::BrakedClump;
 use crate::polyhedra::{Inertia, to_world, turned_axes};
 use crate::solver::force_sum::ForceSum;
 use crate::solver::integrate::AppliedForces;
-pub(crate) use assembly::{Misfit, Whole, numbers, wholes};
+pub(crate) use assembly::{Misfit, Whole, wholes};
+pub(crate) use tremie_grains_kit::signals::followed::clump_numbers as numbers;
 #[cfg(feature = "component")]
 use tremie_messages::BodyState;
 

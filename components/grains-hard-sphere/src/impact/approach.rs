@@ -113,7 +113,9 @@ fn bound(f: &[f64; 5]) -> f64 {
         let ratio = (f[k] / f[top]).abs();
         libm::pow(ratio, 1.0 / (top - k) as f64)
     };
-    4.0 * (0..top).map(of).fold(0.0, f64::max)
+    let bound = 4.0 * (0..top).map(of).fold(0.0, f64::max);
+    // All roots are at zero: any time lies beyond.
+    if bound > 0.0 { bound } else { 1.0 }
 }
 
 /// Up to five moments in ascending order, of which the last is the end of the interval.

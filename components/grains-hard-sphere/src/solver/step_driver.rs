@@ -288,7 +288,7 @@ impl StepDriver {
         if !body.is_free() {
             return;
         }
-        body.rests |= guard == Guard::ElasticSpeed || is_crowded;
+        body.rests |= guard == Guard::ElasticSpeed;
         if is_crowded && !body.is_stopped {
             body.is_stopped = true;
             (body.a, body.alpha) = (Vec3::zeros(), Vec3::zeros());

@@ -73,7 +73,8 @@ fn a_gas_keeps_momentum_and_an_elastic_one_energy() {
         for (e, friction) in [(1.0, 0.0), (0.95, 0.3)] {
             let mut spheres = make(&gas(3, 5, 0.2, (e, friction), 1), &bare(detection), dt);
             let before = spheres.diagnostics();
-            let wanted = if detection == Detection::Events { 100_000 } else { 20_000 };
+            let is_long = detection == Detection::Events && e == 1.0;
+            let wanted = if is_long { 100_000 } else { 20_000 };
             while spheres.diagnostics().collisions < wanted {
                 spheres.advance(10, &[]).unwrap();
             }
@@ -86,7 +87,7 @@ fn a_gas_keeps_momentum_and_an_elastic_one_energy() {
             if e == 1.0 {
                 assert!((energy - 1.0).abs() < 1e-12, "{energy}");
             } else {
-                assert!(energy < 0.1);
+                assert!(energy < 0.3);
             }
         }
     }

@@ -17,7 +17,7 @@ fn the_temperature_falls_with_the_number_of_collisions() {
             let d = dimensions as f64;
             let exponent = (1.0 - e * e) / d * (1.0 + correction(e, d) / 4.0);
             let mut sum = 0.0;
-            let seeds = 1..=6;
+            let seeds = 1..=8;
             for seed in seeds.clone() {
                 let scene = gas(dimensions, edge, phi, (e, 0.0), seed);
                 let mut gas = make(&scene, &Parameters::default(), 0.2);
@@ -25,7 +25,7 @@ fn the_temperature_falls_with_the_number_of_collisions() {
                 let collisions = |gas: &tremie_grains_hard_sphere::HardSpheres| {
                     2.0 * gas.diagnostics().collisions as f64 / n
                 };
-                while collisions(&gas) < 20.0 {
+                while collisions(&gas) < 12.0 {
                     gas.advance(1, &[]).unwrap();
                 }
                 sum -= temperature(&gas, dimensions).ln() / collisions(&gas);

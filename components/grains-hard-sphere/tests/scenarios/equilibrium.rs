@@ -1,5 +1,6 @@
-//! Elastic gases: rate of collisions and pressure against Carnahan & Starling (1969) and Henderson
-//! (1975).
+//! Elastic gases: rate of collisions and pressure against Carnahan & Starling (1969), and in a plane
+//! Henderson (1975) with the correction of Luding (*Phys. Rev. E* 63, 2001, 042201). Without it
+//! Henderson's pressure is 1.2 % too high at a fraction of 0.6.
 
 use crate::common::{bare, gas, make};
 use std::f64::consts::PI;
@@ -11,7 +12,8 @@ fn theory(dimensions: usize, phi: f64) -> (f64, f64) {
         let g = (1.0 - phi / 2.0) / (1.0 - phi).powi(3);
         (4.0 * 6.0 * phi / PI * g * PI.sqrt(), 1.0 + 4.0 * phi * g)
     } else {
-        let g = (1.0 - 7.0 * phi / 16.0) / (1.0 - phi).powi(2);
+        let g = (1.0 - 7.0 * phi / 16.0) / (1.0 - phi).powi(2)
+            - phi.powi(3) / (128.0 * (1.0 - phi).powi(4));
         (2.0 * 4.0 * phi / PI * g * PI.sqrt(), 1.0 + 2.0 * phi * g)
     }
 }
@@ -57,6 +59,6 @@ fn spheres_collide_and_press_as_carnahan_and_starling_say() {
 }
 
 #[test]
-fn discs_collide_and_press_as_henderson_says() {
+fn discs_collide_and_press_as_henderson_and_luding_say() {
     check(2, 32, [0.05, 0.2, 0.4, 0.6]);
 }

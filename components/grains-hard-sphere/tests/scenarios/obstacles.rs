@@ -161,6 +161,6 @@ fn each_pair_of_materials_has_its_law() {
     let mut ball = make(&scene, &Parameters::default(), 0.1);
     ball.advance(5, &[]).unwrap();
     assert!((ball.sphere(0).velocity[0] + 0.2).abs() < 1e-12);
-    ball.advance(25, &[]).unwrap();
+    ball.advance(35, &[]).unwrap();
     assert!((ball.sphere(0).velocity[0] - 0.18).abs() < 1e-12);
 }
