@@ -98,7 +98,13 @@ impl HardBody {
     /// As a partner in a collision at `time`.
     #[inline(always)]
     pub fn collider(&self) -> Collider {
-        Collider { v: self.v, w: self.w, radius: self.radius, inverse_mass: self.inverse_mass }
+        Collider {
+            v: self.v,
+            w: self.w,
+            radius: self.radius,
+            lever: self.radius,
+            inverse_mass: self.inverse_mass,
+        }
     }
 
     /// Takes the velocities that a collision at a moment gave.

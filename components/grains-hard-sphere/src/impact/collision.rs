@@ -22,6 +22,8 @@ pub struct Collider {
     pub w: Vec3,
     /// Radius [m]; 0 of a wall, whose `v` is that of the point that is touched.
     pub radius: f64,
+    /// Distance of its centre from the point where both touch [m]: the radius, unless they overlap.
+    pub lever: f64,
     /// `1/m` [1/kg]; 0 of what no force moves.
     pub inverse_mass: f64,
 }
@@ -32,6 +34,7 @@ impl Collider {
         v: Vec3::new(0.0, 0.0, 0.0),
         w: Vec3::new(0.0, 0.0, 0.0),
         radius: 0.0,
+        lever: 0.0,
         inverse_mass: 0.0,
     };
 }
@@ -70,7 +73,7 @@ impl ImpactLaw {
         let reduced = 1.0 / (one.inverse_mass + other.inverse_mass);
         let g = one.v - other.v;
         let normal = reduced * (g.dot(&n) + parting);
-        let slip = g + (one.w * one.radius + other.w * other.radius).cross(&n);
+        let slip = g + (one.w * one.lever + other.w * other.lever).cross(&n);
         let slip = slip - n * slip.dot(&n);
         let speed = slip.norm_squared().sqrt();
         let stick = (1.0 + self.tangential_restitution) * kappa / (1.0 + kappa) * reduced * speed;
@@ -90,7 +93,8 @@ impl Impulse {
     pub fn kick(&self, body: &mut Collider, n: Vec3, sign: f64, kappa: f64) {
         if body.inverse_mass > 0.0 {
             body.v += self.vector(n) * (sign * body.inverse_mass);
-            body.w -= n.cross(&self.tangential) * (body.inverse_mass / (kappa * body.radius));
+            let inertia = kappa * body.radius * body.radius;
+            body.w -= n.cross(&self.tangential) * (body.lever * body.inverse_mass / inertia);
         }
     }
 }
@@ -112,8 +116,9 @@ mod tests {
     }
 
     fn collider() -> impl Strategy<Value = Collider> {
-        (vector(), vector(), 0.1f64..2.0, 0.1f64..10.0)
-            .prop_map(|(v, w, radius, inverse_mass)| Collider { v, w, radius, inverse_mass })
+        (vector(), vector(), 0.1f64..2.0, 0.1f64..10.0).prop_map(|(v, w, radius, inverse_mass)| {
+            Collider { v, w, radius, lever: radius, inverse_mass }
+        })
     }
 
     /// The direction, or its opposite, along which two approach.
@@ -220,11 +225,12 @@ mod tests {
     /// A wall takes everything: `e_t = 1 - mu (1 + e)/tan(angle)` of the centre while it slides.
     #[test]
     fn the_centre_keeps_its_part_of_the_tangential_speed_on_a_wall() {
-        let wall = Collider { v: Vec3::zeros(), w: Vec3::zeros(), radius: 0.0, inverse_mass: 0.0 };
+        let wall = Collider::STILL;
         for (angle, kappa) in [(1.2f64, SPHERE), (1.4, SPHERE), (1.3, DISC)] {
             let (e, mu) = (0.8, 0.1);
             let v = Vec3::new(angle.sin(), 0.0, -angle.cos());
-            let ball = Collider { v, w: Vec3::zeros(), radius: 0.5, inverse_mass: 2.0 };
+            let ball =
+                Collider { v, radius: 0.5, lever: 0.5, inverse_mass: 2.0, ..Collider::STILL };
             let mut pair = [ball, wall];
             collide(&law(e, mu, 0.0), -Vec3::z(), &mut pair, kappa);
             let kept = pair[0].v.x / v.x;

@@ -74,6 +74,9 @@ impl HardSystem {
     pub fn collide(&mut self, (i, j): (usize, usize), meeting: &Meeting, parting: f64) {
         let (law, n, moment) = (self.law(i, j), meeting.n, self.bodies[i].time);
         let mut pair = [self.bodies[i].collider(), self.bodies[j].collider()];
+        // Where they overlap they touch between their surfaces: so no angular momentum is lost.
+        let part = meeting.distance / (pair[0].radius + pair[1].radius);
+        pair.iter_mut().for_each(|body| body.lever *= part);
         // What is stopped goes nowhere: its velocity waits for the next step.
         let paths = [i, j].map(|k| self.bodies[k].path_velocity());
         let seen = [0, 1].map(|k| Collider { v: paths[k], ..pair[k] });

@@ -74,7 +74,7 @@ fn a_gas_keeps_momentum_and_an_elastic_one_energy() {
             let mut spheres = make(&gas(3, 5, 0.2, (e, friction), 1), &bare(detection), dt);
             let before = spheres.diagnostics();
             let is_long = detection == Detection::Events && e == 1.0;
-            let wanted = if is_long { 100_000 } else { 20_000 };
+            let wanted = if is_long { 100_000 } else { 8_000 };
             while spheres.diagnostics().collisions < wanted {
                 spheres.advance(10, &[]).unwrap();
             }
