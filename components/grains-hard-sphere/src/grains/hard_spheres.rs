@@ -148,7 +148,8 @@ impl HardSpheres {
         })
     }
 
-    /// Bodies at the start: spheres by their order, then the parts that move.
+    /// Bodies at the start: spheres by their order, then the parts that move. After that none comes
+    /// or goes.
     pub fn events(&self) -> &[BodyEvent] {
         &self.events
     }
@@ -180,6 +181,7 @@ impl HardSpheres {
     /// Loads that do not match the bodies, and bodies that left the domain.
     pub fn advance(&mut self, steps: u32, loads: &[Load]) -> Result<(), HardSphereError> {
         self.take(loads)?;
+        self.events.clear();
         let window = f64::from(steps) * self.step;
         match &mut self.driver {
             Driver::Events(driver) => {

@@ -25,6 +25,10 @@ pub fn refusals(scene: &Scene) -> Vec<Problem> {
         }
     }
     for (i, pair) in scene.contacts.iter().enumerate() {
+        // A manifest may give one law to many pairs: it is told once.
+        if scene.contacts[..i].iter().any(|before| before.law == pair.law) {
+            continue;
+        }
         law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
     let mut whole = |is_there: bool, key: &str, message: &str, help: &str| {

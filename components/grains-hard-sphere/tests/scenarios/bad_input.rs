@@ -62,6 +62,11 @@ fn what_hard_spheres_cannot_do_is_said() {
         &["is 0.1, expected 0", "grains-dem"],
     );
     refused(
+        |scene| scene.contacts.iter_mut().for_each(|pair| pair.law.rolling_friction = 0.1),
+        "scene.contacts[0].law.rolling_friction",
+        &["a torque needs a contact that lasts"],
+    );
+    refused(
         |scene| scene.bodies[0].clump = Some("pair".into()),
         "scene.bodies[0].clump",
         &["clump \"pair\"", "one by one", "grains-dem"],
