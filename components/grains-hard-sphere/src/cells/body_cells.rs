@@ -200,7 +200,7 @@ impl BodyCells {
 }
 
 /// Edge of a cell over the mean distance of bodies.
-const ROOM: f64 = 1.0;
+const ROOM: f64 = 0.7;
 
 /// Most cells along an axis.
 const MOST: usize = 4096;

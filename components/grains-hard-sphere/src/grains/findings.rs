@@ -56,7 +56,7 @@ fn way(resolution: &HardResolution, step: f64) -> Finding {
     let way = 0.5 * resolution.expected_speed * step / radius;
     let remedy = format!(
         "time_step = \"{} s\" in settings.grains-hard-sphere, or leave it unset",
-        short(0.5 * FAR * radius / resolution.expected_speed)
+        short(FAR * radius / resolution.expected_speed)
     );
     let speed = short(0.5 * resolution.expected_speed);
     Finding::new("way in a step over the smallest radius", way, "1")

@@ -9,8 +9,8 @@ use tremie_messages::units::{Time, Velocity};
 #[derive(Serialize, Deserialize, JsonSchema, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct Parameters {
-    /// Time step; unset: the time in which the expected speed takes a body a twentieth of the
-    /// smallest radius. From event to event it only says how often others hear of the bodies.
+    /// Time step; unset: the time in which the expected speed takes a body a tenth of the smallest
+    /// radius. From event to event it only says how often others hear of the bodies.
     pub time_step: Option<Time>,
     /// Largest relative speed of two bodies that the user expects. Unset: twice the fastest speed
     /// at the start and what a fall through the domain adds.

@@ -130,9 +130,10 @@ impl EventDriver {
         system.cells.relocate(i, cell);
         let body = system.bodies[i];
         let mut best = self.foreseen[i];
+        let has_weight = system.gravity != Vec3::zeros();
         system.cells.ahead(cell, axis, is_up, |j, shift| {
             if j != i {
-                best.take(with_body(&body, &system.bodies[j], j, shift));
+                best.take(with_body(&body, (j, &system.bodies[j]), shift, has_weight));
             }
         });
         self.crossings[i] = next_crossing(system, i);
@@ -167,9 +168,10 @@ impl EventDriver {
             return;
         }
         let mut best = with_walls(system, &body);
+        let has_weight = system.gravity != Vec3::zeros();
         system.cells.around(system.cells.home(i), |j, shift| {
             if j != i {
-                best.take(with_body(&body, &system.bodies[j], j, shift));
+                best.take(with_body(&body, (j, &system.bodies[j]), shift, has_weight));
             }
         });
         self.crossings[i] = next_crossing(system, i);
@@ -203,13 +205,22 @@ impl EventDriver {
 
 /// The first touch of two bodies; the other one is seen at a shift.
 #[inline(always)]
-fn with_body(body: &HardBody, other: &HardBody, j: usize, shift: Vec3) -> Foreseen {
+fn with_body(
+    body: &HardBody,
+    (j, other): (usize, &HardBody),
+    shift: Vec3,
+    has_weight: bool,
+) -> Foreseen {
     let moment = body.time;
-    let approach = Approach {
-        x: other.position(moment) + shift - body.x,
-        v: other.velocity(moment) - body.v,
-        a: other.a - body.a,
-        reach: body.radius + other.radius,
+    let reach = body.radius + other.radius;
+    let s = moment - other.time;
+    let approach = if has_weight {
+        let (x, v) = (other.x + other.v * s + other.a * (0.5 * s * s), other.v + other.a * s);
+        Approach { x: x + shift - body.x, v: v - body.v, a: other.a - body.a, reach }
+    } else {
+        // Only what comes first of the other body is read.
+        let x = other.x + other.v * s;
+        Approach { x: x + shift - body.x, v: other.v - body.v, a: Vec3::zeros(), reach }
     };
     match approach.first_touch(f64::INFINITY) {
         Some(s) => {

@@ -358,12 +358,10 @@ fn look(
         touched,
     };
     system.cells.around(system.cells.home(i), |j, shift| {
-        if j == i || !is_met(j) {
-            return;
-        }
         let other = &system.bodies[j];
         let reach = body.radius + other.radius;
-        if (ends[j] + shift - ends[i]).norm_squared() >= reach * reach {
+        let square = (ends[j] + shift - ends[i]).norm_squared();
+        if square >= reach * reach || j == i || !is_met(j) {
             return;
         }
         if let Some(moment) = touch_of(system, body, other, step) {
