@@ -66,6 +66,12 @@ pub fn refusals(scene: &Scene) -> Vec<Problem> {
         "measures stresses of contacts, of which hard spheres have none at a moment",
         "leave the profile out",
     );
+    probes(scene, &mut problems);
+    problems
+}
+
+/// Probes at which grains would be measured.
+fn probes(scene: &Scene, problems: &mut Vec<Problem>) {
     for (i, probe) in scene.probes.iter().enumerate() {
         let what = match probe.shape {
             ProbeShape::Section { .. } => "section",
@@ -81,7 +87,6 @@ pub fn refusals(scene: &Scene) -> Vec<Problem> {
         let message = format!("is a {what}, at which hard spheres are not measured");
         problems.push(refused(format!("scene.probes[{i}].{what}"), message, "leave the probe out"));
     }
-    problems
 }
 
 fn refused(key: String, message: impl Into<String>, help: &str) -> Problem {

@@ -37,7 +37,7 @@ fn a_valid_scene_is_taken() {
 }
 
 #[test]
-fn what_hard_spheres_cannot_do_is_said() {
+fn laws_that_need_a_contact_that_lasts_are_refused() {
     let law =
         |change: fn(&mut ContactLaw)| move |scene: &mut Scene| change(&mut scene.contacts[0].law);
     refused(
@@ -66,6 +66,10 @@ fn what_hard_spheres_cannot_do_is_said() {
         "scene.contacts[0].law.rolling_friction",
         &["a torque needs a contact that lasts"],
     );
+}
+
+#[test]
+fn what_else_hard_spheres_do_not_have_is_said() {
     refused(
         |scene| scene.bodies[0].clump = Some("pair".into()),
         "scene.bodies[0].clump",
