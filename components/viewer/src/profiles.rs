@@ -152,11 +152,16 @@ impl DrawnProfile {
         stream.log(self.path.as_str(), &mesh)
     }
 
-    fn log_bars(&self, stream: &RecordingStream, bins: &[ProfileBin]) -> RecordingStreamResult<()> {
+    /// Lower edges of the bars and their widths [m]: Rerun draws a bar from its abscissa upwards.
+    fn bars(&self) -> (Vec<f64>, Vec<f32>) {
         let along = self.profile.axes[0];
-        let middles: Vec<f64> = (0..along.bins).map(|k| self.profile.middle(along, k)).collect();
-        let width = (self.profile.edge(along, 1) - self.profile.edge(along, 0)) as f32;
-        let widths = vec![width; along.bins];
+        let edge = |k: usize| self.profile.edge(along, k);
+        let width = |k: usize| (edge(k + 1) - edge(k)) as f32;
+        ((0..along.bins).map(edge).collect(), (0..along.bins).map(width).collect())
+    }
+
+    fn log_bars(&self, stream: &RecordingStream, bins: &[ProfileBin]) -> RecordingStreamResult<()> {
+        let (lower, widths) = self.bars();
         let axis = streamwise(bins);
         // A bin without grains has no bar.
         let shown = |value: f64| if value.is_finite() { value } else { 0.0 };
@@ -167,7 +172,7 @@ impl DrawnProfile {
             };
             let values: Vec<f64> = bins.iter().map(value).collect();
             let chart =
-                BarChart::new(values).with_abscissa(middles.clone()).with_widths(widths.clone());
+                BarChart::new(values).with_abscissa(lower.clone()).with_widths(widths.clone());
             stream.log(format!("{}/{quantity}", self.path), &chart)?;
         }
         Ok(())
@@ -190,6 +195,26 @@ fn streamwise(bins: &[ProfileBin]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tremie_messages::scene::{BinnedAxis, ProfileVelocity};
+
+    #[test]
+    fn bars_fill_the_box_from_its_lower_to_its_upper_face() {
+        let profile = GrainProfile {
+            name: "across".into(),
+            axes: vec![BinnedAxis { axis: 0, bins: 11 }],
+            min: [0.0, 0.08, 0.0],
+            max: [0.05, 0.12, 0.009],
+            from: 0.0,
+            every: None,
+            average: None,
+            velocity: ProfileVelocity::default(),
+        };
+        let (lower, widths) = DrawnProfile { profile, path: String::new() }.bars();
+        let upper: Vec<f64> = lower.iter().zip(widths).map(|(x, w)| x + f64::from(w)).collect();
+        assert_eq!((lower.len(), lower[0]), (11, 0.0));
+        assert!((upper[10] - 0.05).abs() < 1e-8, "{}", upper[10]);
+        assert!(lower[1..].iter().zip(&upper).all(|(x, end)| (x - end).abs() < 1e-8));
+    }
 
     #[test]
     fn the_streamwise_axis_is_the_fastest() {
