@@ -28,7 +28,7 @@ pub struct View {
     class: &'static str,
     name: String,
     origin: String,
-    contents: Vec<String>,
+    pub(crate) contents: Vec<String>,
     properties: Vec<(&'static str, Box<dyn AsComponents>)>,
 }
 

@@ -56,7 +56,6 @@ pub fn layout(shown: &Shown<'_>) -> Container {
     let left = Container::new(ContainerKind::Vertical, "Scene")
         .with(scenes(shown), 10.0)
         .with(legends(shown.rubber), 1.0);
-    let words = |name: &str, path| View::new("TextDocument", name, path);
     let words = [words("About this run", "about"), words("Signals", "about/signals")];
     let profiles = shown.profiles.iter().map(profile);
     let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(profiles).chain(words));
@@ -66,6 +65,11 @@ pub fn layout(shown: &Shown<'_>) -> Container {
     }
     right = right.with(log(), 2.0);
     Container::new(ContainerKind::Horizontal, "Tremie").with(left, 3.0).with(right, 2.0)
+}
+
+/// A text, without those below it: Rerun shows one text in a view, or none.
+fn words(name: &str, path: &str) -> View {
+    View::new("TextDocument", name, path).contents(["$origin".to_string()])
 }
 
 /// The scene with streamlines, where there are any, and behind it with cuts, which hide what is
@@ -178,4 +182,15 @@ fn plot_view(plot: &Plot, end: Option<f64>) -> View {
     let at = |seconds: f64| TimeRangeBoundary::Absolute(TimeInt((seconds * 1e9) as i64));
     let range = TimeRange { start: at(0.0), end: at(LEGEND_ROOM * end) };
     view.property("TimeAxis", TimeAxis::new().with_view_range(range))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_of_words_shows_one_text() {
+        // Rerun shows none where a view takes in the texts below as well: `about/signals` is one.
+        assert_eq!(words("About this run", "about").contents, ["$origin"]);
+    }
 }
