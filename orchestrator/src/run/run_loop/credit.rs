@@ -17,12 +17,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             return Ok(());
         }
         let done = self.monitor.common_window().map_or(0, |window| window + 1);
-        let since = now.duration_since(state.mark.1).as_secs_f64();
-        // Rates of shorter times than 50 ms are mostly noise.
-        if since > 0.05 {
-            state.rate = (done - state.mark.0) as f64 / since;
-            state.mark = (done, now);
-        }
+        state.pace.note(done, now);
         // A condition ends the run STOP_AHEAD windows later. Credit stays below that window: a
         // component that advances through it must know that it is the last.
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
@@ -31,7 +26,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             return self.grant_through(state, 0);
         }
         // Never less than 4 windows: physics must not wait for the next look.
-        let ahead = ((state.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
+        let ahead = ((state.pace.rate() * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
         self.grant_through(state, (done + ahead).min(self.windows))
     }
 

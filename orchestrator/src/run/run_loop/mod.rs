@@ -6,6 +6,7 @@ mod end_reason;
 mod ends;
 mod log;
 mod observers;
+mod pace;
 mod progress;
 mod windows;
 
@@ -19,6 +20,7 @@ use crate::run::startup_log::EarlyLog;
 use crate::run::stop_conditions::StopConditions;
 use crate::terminal::Terminal;
 use end_reason::EndReason;
+use pace::Pace;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
@@ -111,9 +113,8 @@ struct LoopState {
     /// Physics is over.
     is_over: bool,
     notes: BTreeMap<String, String>,
-    /// Window and time of the last measurement of the rate, and the rate.
-    mark: (u64, Instant),
-    rate: f64,
+    /// Windows a second.
+    pace: Pace,
     /// The user has seen the shares of a window's time.
     shown_timing: bool,
 }
@@ -135,8 +136,7 @@ impl LoopState {
             spoilt: None,
             is_over: false,
             notes: BTreeMap::new(),
-            mark: (0, now),
-            rate: 0.0,
+            pace: Pace::new(now),
             shown_timing: false,
         }
     }

@@ -78,7 +78,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             window,
             windows: self.windows,
             time: self.clock.seconds(window * self.clock.ticks_per_window),
-            rate: state.rate,
+            rate: state.pace.rate(),
             work: Vec::new(),
             shares: Vec::new(),
             bodies: self.bodies(),
