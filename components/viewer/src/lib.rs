@@ -14,7 +14,7 @@
 //! | `scene/parts/<name>` | a rigid part, half transparent where it stands still | shape static, pose where it moves |
 //! | `scene/rubber/<name>` | a deformable surface, coloured by equivalent shear strain | triangles now and then, the rest each frame |
 //! | `legend/speed`, `legend/strain` | colour scales and their numbers | when a scale changes |
-//! | `signals/<component>/<name>` | watched scalars, one plot per component and unit | each frame |
+//! | `signals/<component>/<name>` | watched scalars, one plot per component and unit; mass flow rates of grains through sections as means since the frame before | each frame |
 //! | `log` | the run's log | each line |
 //! | `about` | domain, fluid, bodies and schedule in words | static |
 //! | `about/signals` | what the signals mean | static |
@@ -58,6 +58,7 @@ mod parameters;
 mod parts;
 mod patch;
 mod profiles;
+mod rates;
 mod rubber;
 pub mod scale;
 mod section;

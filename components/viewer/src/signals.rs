@@ -1,6 +1,7 @@
 //! Watched scalars as plots: for each component and unit one of what was measured at probes, parts
 //! and reservoirs, and one of what is true of the whole.
 
+use crate::rates;
 use crate::view::part;
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines};
 use tremie_messages::start::{FrameContent, FrameStream, Signal};
@@ -115,8 +116,13 @@ pub fn meanings(frames: &[FrameStream]) -> String {
     let mut text = String::from("| signal | unit | meaning |\n| --- | --- | --- |\n");
     for frame in frames {
         let FrameContent::Signals(signals) = &frame.content else { continue };
-        for Signal { name, unit, meaning, .. } in signals {
-            text += &format!("| {}.{name} | {unit} | {meaning} |\n", frame.from);
+        for (k, Signal { name, unit, meaning, .. }) in signals.iter().enumerate() {
+            let plotted = if rates::is_mean(signals, k) {
+                "; in plots the mean since the frame before"
+            } else {
+                ""
+            };
+            text += &format!("| {}.{name} | {unit} | {meaning}{plotted} |\n", frame.from);
         }
     }
     text

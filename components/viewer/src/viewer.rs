@@ -8,6 +8,7 @@ use crate::layout::{CutView, Shown, layout};
 use crate::parameters::Parameters;
 use crate::parts::{self, Parts};
 use crate::profiles::Profiles;
+use crate::rates::Rates;
 use crate::rubber::{self, Rubber};
 use crate::scale::{Map, Scale};
 use crate::session::Session;
@@ -65,6 +66,7 @@ pub struct Viewer {
     /// Simulated time of the newest frame [s].
     now: f64,
     plots: Vec<Plot>,
+    rates: Rates,
     named: BTreeSet<String>,
     frames: u64,
     legend_age: u32,
@@ -227,6 +229,7 @@ impl Observer for Viewer {
             end: setup.assignment.as_ref().map(|a| a.clock.window() * a.windows as f64),
             now: 0.0,
             plots: signals::plots(frames),
+            rates: Rates::default(),
             named: BTreeSet::new(),
             frames: 0,
             legend_age: 0,
@@ -328,7 +331,8 @@ impl Observer for Viewer {
         if self.named.insert(from.to_string()) {
             drawn(signals::log_names(self.recording(), from, names))?;
         }
-        drawn(signals::log(self.recording(), from, names, values))
+        let values = self.rates.shown(from, at.time, names, values);
+        drawn(signals::log(self.recording(), from, names, &values))
     }
 
     fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError> {
