@@ -79,7 +79,7 @@ pub fn overview(scene: &Scene) -> Eye {
     let mirrors = Mirror::all(&scene.domain);
     let target = centre(scene);
     let mut direction = Vec3::zeros();
-    let distance = match mirrors.iter().map(Mirror::outward).find(|(normal, _)| *normal != axis) {
+    let near = match mirrors.iter().map(Mirror::outward).find(|(normal, _)| *normal != axis) {
         // What is seen there is a section: nearly straight on, and near.
         Some((normal, outward)) => {
             direction[normal] = outward;
@@ -94,8 +94,31 @@ pub fn overview(scene: &Scene) -> Eye {
             1.05
         }
     };
-    let position = target + unit(direction) * (distance * size.norm());
-    Eye { position, target, up: up_vector(scene) }
+    let (direction, up) = (unit(direction), up_vector(scene));
+    let distance = (near * size.norm()).max(fitting_distance(size, direction, up));
+    Eye { position: target + direction * distance, target, up }
+}
+
+/// Tangent of half the angle by which Rerun's eye opens from bottom to top: 55 degrees.
+fn half_opening() -> f64 {
+    27.5_f64.to_radians().tan()
+}
+
+/// Least width over height of the view of the scene; and room that stays free around the domain.
+const ASPECT: f64 = 1.25;
+const ROOM: f64 = 1.06;
+
+/// Distance from the middle of a box, in a direction, from which all its corners are in the view.
+fn fitting_distance(size: Vec3, direction: Vec3, up: Vec3) -> f64 {
+    let right = unit(up.cross(&direction));
+    let upwards = direction.cross(&right);
+    let least = |k: usize| {
+        let half = |axis: usize| if k >> axis & 1 == 1 { 0.5 } else { -0.5 };
+        let corner = Vec3::new(half(0) * size[0], half(1) * size[1], half(2) * size[2]);
+        let aside = corner.dot(&upwards).abs().max(corner.dot(&right).abs() / ASPECT);
+        corner.dot(&direction) + ROOM * aside / half_opening()
+    };
+    (0..8).map(least).fold(0.0, f64::max)
 }
 
 /// An eye straight above a rectangle with the given corner and sides, at the height that fits it.
@@ -111,9 +134,8 @@ pub fn facing(corner: Vec3, sides: [Vec3; 2], up: Vec3, towards: Vec3) -> Eye {
     if up.dot(&sides[0]).abs() > up.dot(&sides[1]).abs() {
         std::mem::swap(&mut width, &mut height);
     }
-    // Rerun's eye opens by 55 degrees from bottom to top; views of cuts are nearly twice as wide as
-    // high.
-    let distance = 1.1 * height.max(width / 1.8) / (2.0 * 27.5_f64.to_radians().tan());
+    // Views of cuts are nearly twice as wide as high.
+    let distance = 1.1 * height.max(width / 1.8) / (2.0 * half_opening());
     Eye { position: target + normal * distance, target, up }
 }
 
@@ -141,6 +163,37 @@ pub(crate) mod tests {
         assert_eq!(eye.target, Vec3::new(2.0, 0.5, 1.0));
         assert!(eye.position[1] < 0.0);
         assert!(eye.position[2] > 1.0);
+    }
+
+    #[test]
+    fn the_overview_sees_every_corner_of_the_domain() {
+        let sizes = [
+            [0.05, 0.205, 0.009],
+            [0.01, 0.4, 0.02],
+            [4.0, 0.2, 0.2],
+            [1.0, 1.0, 1.0],
+            [0.286, 0.24, 0.099],
+        ];
+        for size in sizes {
+            let mut scene = empty_scene([0.0, -9.81, 0.0], size);
+            for is_section in [false, true] {
+                if is_section {
+                    scene.domain.faces[2][0] = Face::Symmetry;
+                }
+                let eye = overview(&scene);
+                let ahead = unit(eye.target - eye.position);
+                let right = unit(ahead.cross(&eye.up));
+                let upwards = right.cross(&ahead);
+                for k in 0..8 {
+                    let side = |axis: usize| size[axis] * f64::from(k >> axis & 1);
+                    let to = Vec3::new(side(0), side(1), side(2)) - eye.position;
+                    // Half the height of a view of 840 x 650 there.
+                    let half = to.dot(&ahead) * 27.5_f64.to_radians().tan();
+                    assert!(to.dot(&upwards).abs() < half, "{size:?} {k}");
+                    assert!(to.dot(&right).abs() < half * 840.0 / 650.0, "{size:?} {k}");
+                }
+            }
+        }
     }
 
     #[test]
