@@ -14,10 +14,13 @@ const ENDLESS: f64 = 1e10;
 /// Wall time beyond which a run is doubtful [s].
 pub const WEEK: f64 = 7.0 * 86_400.0;
 
-/// Speed of a machine, for a guess before anything has run: least time of a window [s], cell
-/// updates and grain steps a second [1/s]. `check --measure` measures it.
+/// Speed of a machine, for a guess before anything has run: least time of a window [s], and work a
+/// second [1/s]: cell updates of a lattice, wet cells of a particle fluid in a plane and in space
+/// (one thread), and grain steps. `check --measure` measures it.
 const WINDOW: f64 = 5e-6;
 const CELLS: f64 = 1e8;
+const WET_CELLS_IN_PLANE: f64 = 3e5;
+const WET_CELLS_IN_SPACE: f64 = 1.2e5;
 const GRAINS: f64 = 1e7;
 
 /// A component and its description.
@@ -31,10 +34,11 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
     let follower = all.clone().find(|(component, _)| component.role.steps_with().is_some());
     let most = physics.clone().max_by_key(|(component, _)| component.substeps)?;
     let windows = plan.windows as f64;
-    let work: f64 = physics.clone().map(|(component, said)| work(component, said)).sum();
-    let (steps, wall) = (windows * f64::from(most.0.substeps), windows * (WINDOW + work));
-    let guess =
-        format!("about {} at 5 us a window, 1e8 cells and 1e7 grains a second", human(wall));
+    let is_plane = spec.scene.domain.across.is_some();
+    let rates = physics.clone().map(|(component, said)| (component, said, rate(said, is_plane)));
+    let (wall, speeds) = wall_time(windows, rates);
+    let steps = windows * f64::from(most.0.substeps);
+    let guess = format!("about {} at 5 us a window{speeds}", human(wall));
     let why = format!(
         "{} s (run.until) in windows of {} s: {}; {guess}",
         short(spec.run.until),
@@ -54,14 +58,34 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
     ))
 }
 
-/// Wall time that a component computes in a window, at a guess [s].
-fn work(component: &PlannedComponent, said: &Description) -> f64 {
-    let rate = match said.work.as_str() {
-        "cell updates" => CELLS,
-        "grain steps" => GRAINS,
-        _ => return 0.0,
+/// Work that a component does in a second, at a guess, and its name; `None` where there is no guess.
+fn rate(said: &Description, is_plane: bool) -> Option<(f64, &'static str)> {
+    match (said.work.as_str(), is_plane) {
+        ("cell updates", _) => Some((CELLS, "cells")),
+        ("wet cells", true) => Some((WET_CELLS_IN_PLANE, "wet cells (plane, one thread)")),
+        ("wet cells", false) => Some((WET_CELLS_IN_SPACE, "wet cells (space, one thread)")),
+        ("grain steps", _) => Some((GRAINS, "grains")),
+        _ => None,
+    }
+}
+
+/// Wall time of so many windows at a guess [s], and the speeds that it counts with in words.
+fn wall_time<'a>(
+    windows: f64,
+    rates: impl Iterator<Item = (&'a PlannedComponent, &'a Description, Option<(f64, &'static str)>)>,
+) -> (f64, String) {
+    let (mut window, mut speeds) = (WINDOW, Vec::new());
+    for (component, said, rate) in rates {
+        let Some((rate, what)) = rate else { continue };
+        window += f64::from(component.substeps) * said.work_per_step / rate;
+        speeds.push(format!("{} {what}", short(rate)));
+    }
+    let speeds = if speeds.is_empty() {
+        String::new()
+    } else {
+        format!(", {} a second", speeds.join(" and "))
     };
-    f64::from(component.substeps) * said.work_per_step / rate
+    (windows * window, speeds)
 }
 
 /// Causes of short windows and steps: of the component that sets the window, and of the component
@@ -102,5 +126,19 @@ fn human(seconds: f64) -> String {
         format!("{} years", short((seconds / YEAR).round()))
     } else {
         HumanDuration(Duration::from_secs_f64(seconds)).to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wet_cell_of_particles_takes_longer_than_a_cell_of_a_lattice() {
+        let said = |work: &str| Description { work: work.into(), ..Description::default() };
+        let seconds = |work: &str, is_plane| 1.0 / rate(&said(work), is_plane).unwrap().0;
+        assert!(seconds("wet cells", true) > 100.0 * seconds("cell updates", true));
+        assert!(seconds("wet cells", false) > seconds("wet cells", true));
+        assert_eq!(rate(&said("something else"), true), None);
     }
 }

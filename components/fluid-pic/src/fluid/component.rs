@@ -108,7 +108,7 @@ impl Fluid for PicComponent {
             signals: signals(scene),
             slices: vec![Cut::of(scene).spec(CUT, resolution.cells)],
             volumes: vec![volume_spec(GRID, scene, resolution.cell, resolution.cells)],
-            work: "cell updates".into(),
+            work: "wet cells".into(),
             work_per_step: resolution.wet_cells as f64,
             notes,
             findings: findings(&parameters, scene, &resolution),

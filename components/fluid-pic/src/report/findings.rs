@@ -10,6 +10,11 @@ use tremie_messages::{Finding, Limit};
 /// Cells of depth below which the fluid is a film.
 const SHALLOW: f64 = 8.0;
 
+/// Cells in a step at the expected speed, and at the greatest of a run, beyond which particles that
+/// cross them splash apart. A few drops may be faster than all others.
+const FAST: f64 = 1.0;
+const FASTEST: f64 = 1.5;
+
 /// Findings before a run.
 pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
     let cells = CellFindings { cell: resolution.cell };
@@ -18,8 +23,8 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
         Finding::new("cells in a time step at the expected speed", courant, "1")
             .because(format!("the expected speed is {} m/s", short(resolution.expected_speed)))
             .doubtful_if(
-                courant > 1.0,
-                "above 1 particles cross a cell in a step, and splash apart",
+                courant > FAST,
+                format!("above {FAST} particles cross a cell in a step, and splash apart"),
                 format!(
                     "a time step of {} s makes it 0.5",
                     short(resolution.time_step * 0.5 / courant)
@@ -72,9 +77,9 @@ pub fn limits() -> Vec<Limit> {
             signal: "courant".into(),
             quantity: "cells in a time step at the greatest speed".into(),
             unit: "1".into(),
-            doubtful: 1.5,
+            doubtful: FASTEST,
             wrong: Some(20.0),
-            why: "above 1 particles cross a cell in a step".into(),
+            why: format!("above {FASTEST} particles skip cells in a step, and splash apart"),
             remedy: "a larger expected_speed, or a shorter time_step".into(),
         },
         Limit {
@@ -88,4 +93,17 @@ pub fn limits() -> Vec<Limit> {
             remedy: "a shorter time step, a larger relaxation, or smaller cells".into(),
         },
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_limit_name_its_bound() {
+        for limit in limits().into_iter().filter(|limit| limit.why.starts_with("above")) {
+            let bound = format!("above {} ", limit.doubtful);
+            assert!(limit.why.starts_with(&bound), "{}", limit.why);
+        }
+    }
 }
