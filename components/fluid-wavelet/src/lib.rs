@@ -6,4 +6,10 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod gas;
 pub mod grid;
+pub mod solver;
+
+pub use gas::gas_law::{Gas, GasState};
+pub use solver::domain_faces::{DomainFace, DomainFaces};
+pub use solver::wavelet_solver::{NoGasError, WaveletSettings, WaveletSolver};

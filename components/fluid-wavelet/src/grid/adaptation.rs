@@ -183,7 +183,8 @@ pub fn integral(rooms: &mut FillRoom, tree: &BlockTree, values: &BlockValues, fi
             }
         } else {
             let parent = values.padded_field(shape, tree.parents[slot] as usize, field);
-            rooms.for_each_detail(shape, block.number(), parent, own, |_, _, d| of_block += 2.0 * d);
+            rooms
+                .for_each_detail(shape, block.number(), parent, own, |_, _, d| of_block += 2.0 * d);
         }
         sum += of_block * 0.5_f64.powi(i32::from(block.level) * shape.dims as i32);
     }

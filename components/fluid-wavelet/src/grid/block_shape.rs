@@ -55,9 +55,8 @@ impl BlockShape {
     #[inline]
     pub fn rows(&self, from: [usize; 3], to: [usize; 3]) -> impl Iterator<Item = usize> + use<> {
         let shape = *self;
-        (from[2]..to[2]).flat_map(move |z| {
-            (from[1]..to[1]).map(move |y| shape.place([from[0], y, z]))
-        })
+        (from[2]..to[2])
+            .flat_map(move |z| (from[1]..to[1]).map(move |y| shape.place([from[0], y, z])))
     }
 
     /// The box of the block's own points, counted from the first ghost.

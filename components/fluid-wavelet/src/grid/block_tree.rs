@@ -36,9 +36,12 @@ impl BlockAddress {
     /// A child, by its number.
     pub fn child(self, shape: &BlockShape, number: usize) -> Self {
         let half = shape.half(number);
-        let at = std::array::from_fn(|a| {
-            if a < shape.dims { 2 * self.at[a] + half[a] as u32 } else { 0 }
-        });
+        let at =
+            std::array::from_fn(
+                |a| {
+                    if a < shape.dims { 2 * self.at[a] + half[a] as u32 } else { 0 }
+                },
+            );
         Self { level: self.level + 1, at }
     }
 
@@ -88,9 +91,9 @@ impl BlockDomain {
     /// The 27 steps to neighbours, itself included; of axes that are not there only the middle.
     pub fn steps(&self) -> impl Iterator<Item = (usize, [i32; 3])> + use<> {
         let dims = self.shape.dims;
-        (0..27).map(|number| (number, step(number))).filter(move |(_, step)| {
-            (dims..3).all(|a| step[a] == 0)
-        })
+        (0..27)
+            .map(|number| (number, step(number)))
+            .filter(move |(_, step)| (dims..3).all(|a| step[a] == 0))
     }
 
     /// Every block of a level.

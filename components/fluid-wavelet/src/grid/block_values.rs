@@ -73,7 +73,12 @@ impl BlockValues {
                     let child = (children[number] as usize - range.end) * length;
                     for field in 0..fields {
                         let from = &fine[child + field * shape.points..][..shape.points];
-                        share(shape, number, from, &mut own[field * shape.points..][..shape.points]);
+                        share(
+                            shape,
+                            number,
+                            from,
+                            &mut own[field * shape.points..][..shape.points],
+                        );
                     }
                 }
             });

@@ -1,0 +1,4 @@
+//! Steps of the gas on its adaptive grid.
+
+pub mod domain_faces;
+pub mod wavelet_solver;

@@ -1,0 +1,366 @@
+//! The solver: adaptation, ghosts, and steps of third order in time.
+
+use crate::gas::block_rates::{GasRoom, NoGas, find_rates};
+use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
+use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
+use crate::grid::block_shape::BlockShape;
+use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, NONE};
+use crate::grid::block_values::{BlockValues, FillRoom};
+use crate::solver::domain_faces::{DomainFace, DomainFaces};
+use std::sync::Mutex;
+use tremie_team::{Cut, Team};
+
+/// Weights of the steps of Shu and Osher (1988): of the start, of what the step before gave, and of
+/// its rates times the time step.
+const STAGES: [[f64; 3]; 3] =
+    [[0.0, 1.0, 1.0], [0.75, 0.25, 0.25], [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]];
+
+/// How a gas is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveletSettings {
+    /// Dimensions, 1 to 3.
+    pub dims: usize,
+    /// Points of a block along each axis.
+    pub block_edge: usize,
+    /// Blocks of level 0 along each axis.
+    pub roots: [u32; 3],
+    /// Finest level.
+    pub deepest: u8,
+    /// Spacing of level 0 [m].
+    pub coarsest: f64,
+    /// Lower corner of the domain [m].
+    pub origin: [f64; 3],
+    /// Faces of the domain.
+    pub faces: DomainFaces,
+    /// Detail that is significant, as a share of each field's scale.
+    pub tolerance: f64,
+    /// Detail from which on a face is rough, as a share of each field's scale.
+    pub roughness: f64,
+    /// Steps from one adaptation to the next.
+    pub adapt_every: usize,
+    /// Way of the fastest signal in a step, in points.
+    pub courant: f64,
+    /// The gas.
+    pub gas: Gas,
+}
+
+impl WaveletSettings {
+    /// A periodic square or cube of one block, with tolerances for most purposes.
+    pub fn new(dims: usize, gas: Gas) -> Self {
+        Self {
+            dims,
+            block_edge: if dims < 3 { 16 } else { 8 },
+            roots: [1; 3],
+            deepest: 4,
+            coarsest: 1.0 / 16.0,
+            origin: [0.0; 3],
+            faces: [[DomainFace::Periodic; 2]; 3],
+            tolerance: 1e-3,
+            roughness: 5e-3,
+            adapt_every: 4,
+            courant: 0.5,
+            gas,
+        }
+    }
+
+    fn domain(&self) -> BlockDomain {
+        let is_periodic = |a: usize| a >= self.dims || self.faces[a][0] == DomainFace::Periodic;
+        BlockDomain {
+            shape: BlockShape::new(self.dims, self.block_edge),
+            roots: std::array::from_fn(|a| if a < self.dims { self.roots[a] } else { 1 }),
+            periodic: [0, 1, 2].map(is_periodic),
+            deepest: self.deepest,
+        }
+    }
+
+    /// Spacing of a level [m].
+    pub fn spacing(&self, level: u8) -> f64 {
+        self.coarsest * 0.5_f64.powi(i32::from(level))
+    }
+}
+
+/// Where a gas has no density or no pressure, or moves without bound.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the gas has density {density:.3e} kg/m3 and pressure {pressure:.3e} Pa at ({:.6}, {:.6}, {:.6}) m; \
+     both must be positive: a finer grid, a smaller tolerance, or shorter steps",
+    at[0], at[1], at[2]
+)]
+pub struct NoGasError {
+    /// The place [m].
+    pub at: [f64; 3],
+    /// Density there [kg/m^3].
+    pub density: f64,
+    /// Pressure there [Pa].
+    pub pressure: f64,
+}
+
+/// A gas on its grid.
+pub struct WaveletSolver {
+    /// How it is solved.
+    pub settings: WaveletSettings,
+    /// The blocks.
+    pub tree: BlockTree,
+    /// Fields at their points: density, momentum, energy.
+    pub values: BlockValues,
+    /// Time [s].
+    pub time: f64,
+    /// Steps made.
+    pub steps: u64,
+    /// Significant points when the grid was last adapted.
+    pub significant: u64,
+    rates: Vec<f64>,
+    start: Vec<f64>,
+    scales: Vec<f64>,
+    fastest: f64,
+    marks: Vec<BlockMarks>,
+    team: Team,
+    fill_rooms: Vec<FillRoom>,
+    gas_rooms: Vec<GasRoom>,
+}
+
+impl WaveletSolver {
+    /// A gas that begins in the state `initial` gives at each place.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn new(
+        settings: WaveletSettings,
+        threads: usize,
+        initial: impl Fn([f64; 3]) -> GasState,
+    ) -> std::io::Result<Self> {
+        let tree = BlockTree::new(settings.domain(), []);
+        let shape = tree.domain.shape;
+        let team = Team::new("fluid-wavelet", threads)?;
+        let threads = team.threads();
+        let mut solver = Self {
+            settings,
+            values: BlockValues::new(&tree, field_count(settings.dims)),
+            tree,
+            time: 0.0,
+            steps: 0,
+            significant: 0,
+            rates: Vec::new(),
+            start: Vec::new(),
+            scales: Vec::new(),
+            fastest: 0.0,
+            marks: Vec::new(),
+            team,
+            fill_rooms: (0..threads).map(|_| FillRoom::new(&shape)).collect(),
+            gas_rooms: (0..threads).map(|_| GasRoom::new(&shape)).collect(),
+        };
+        // Each round may go one level deeper.
+        for _ in 0..=settings.deepest {
+            solver.set_to(&initial);
+            solver.fill();
+            if !solver.adapt() {
+                break;
+            }
+        }
+        solver.set_to(&initial);
+        solver.fill();
+        solver.find_scales();
+        Ok(solver)
+    }
+
+    /// The shape of its blocks.
+    pub fn shape(&self) -> BlockShape {
+        self.tree.domain.shape
+    }
+
+    /// Place of a point of a block, counted without ghosts [m].
+    pub fn place(&self, block: BlockAddress, at: [isize; 3]) -> [f64; 3] {
+        let (edge, spacing) = (self.shape().edge, self.settings.spacing(block.level));
+        std::array::from_fn(|a| {
+            let along = i64::from(block.at[a]) * edge[a] as i64 + at[a] as i64;
+            self.settings.origin[a] + spacing * along as f64
+        })
+    }
+
+    /// Calls `see` with the block, the place and the fields of each point of the leaves.
+    pub fn for_each_point(&self, mut see: impl FnMut(BlockAddress, [f64; 3], [f64; MOST_FIELDS])) {
+        let (shape, count) = (self.shape(), self.values.fields);
+        for &leaf in &self.tree.leaves {
+            let (leaf, block) = (leaf as usize, self.tree.blocks[leaf as usize]);
+            for point in 0..shape.points {
+                let mut fields = [0.0; MOST_FIELDS];
+                for (field, value) in fields.iter_mut().enumerate().take(count) {
+                    *value = self.values.own[(leaf * count + field) * shape.points + point];
+                }
+                see(block, self.place(block, point_at(&shape, point)), fields);
+            }
+        }
+    }
+
+    /// Points of the leaves.
+    pub fn points(&self) -> usize {
+        self.tree.leaves.len() * self.shape().points
+    }
+
+    /// Points of the leaves as a share of those of a uniform grid of the finest level.
+    pub fn share_of_full_grid(&self) -> f64 {
+        let domain = &self.tree.domain;
+        let blocks = |a: usize| f64::from(domain.blocks_along(domain.deepest, a));
+        self.tree.leaves.len() as f64 / (blocks(0) * blocks(1) * blocks(2))
+    }
+
+    /// Integral of a field over a domain that wraps around, in its unit times m^dims.
+    pub fn integral(&mut self, field: usize) -> f64 {
+        let cell = self.settings.coarsest.powi(self.settings.dims as i32);
+        cell * integral(&mut self.fill_rooms[0], &self.tree, &self.values, field)
+    }
+
+    /// Gives all points the initial state.
+    fn set_to(&mut self, initial: &impl Fn([f64; 3]) -> GasState) {
+        let (shape, count) = (self.shape(), self.values.fields);
+        for slot in 0..self.tree.blocks.len() {
+            for point in 0..shape.points {
+                let at = self.place(self.tree.blocks[slot], point_at(&shape, point));
+                let fields = self.settings.gas.fields(shape.dims, initial(at));
+                for (field, value) in fields.iter().enumerate().take(count) {
+                    self.values.own[(slot * count + field) * shape.points + point] = *value;
+                }
+            }
+        }
+    }
+
+    /// Gives parents and ghosts their values.
+    fn fill(&mut self) {
+        let Self { values, team, tree, fill_rooms, settings, .. } = self;
+        values.restrict(team, tree);
+        values.fill(team, fill_rooms, tree, &settings.faces);
+    }
+
+    /// Largest values of each field, of momentum over all components, and the fastest signal.
+    fn find_scales(&mut self) {
+        let (gas, dims) = (self.settings.gas, self.settings.dims);
+        let mut scales = vec![0.0_f64; self.values.fields];
+        let mut fastest = 0.0_f64;
+        self.for_each_point(|block, _, fields| {
+            for (scale, value) in scales.iter_mut().zip(fields) {
+                *scale = scale.max(value.abs());
+            }
+            let state = gas.state(dims, &fields);
+            let sound = gas.sound_speed(state.density, state.pressure);
+            let speed: f64 = state.velocity.iter().map(|u| u.abs() + sound).sum::<f64>()
+                - (3 - dims) as f64 * sound;
+            fastest = fastest.max(speed * f64::from(1 << block.level));
+        });
+        // Gas that hardly moves has no scale of its own.
+        let moving = (1..=dims).fold(0.0_f64, |m, a| m.max(scales[a]));
+        let sound = (scales[0] * scales[1 + dims]).sqrt();
+        scales[1..=dims].fill(moving.max(1e-2 * sound));
+        self.scales = scales;
+        self.fastest = fastest;
+    }
+
+    /// Adapts the grid; true if it changed. Ghosts are filled, and are again afterwards.
+    fn adapt(&mut self) -> bool {
+        self.find_scales();
+        let Self { tree, values, team, fill_rooms, marks, scales, settings, .. } = self;
+        let thresholds: Vec<f64> = scales.iter().map(|s| settings.tolerance * s).collect();
+        find_marks(team, fill_rooms, tree, values, &thresholds, marks);
+        self.significant = marks.iter().map(|marks| u64::from(marks.significant)).sum();
+        let next = BlockTree::new(tree.domain, wanted_blocks(tree, marks));
+        if next.blocks == tree.blocks {
+            return false;
+        }
+        *values = carry_over(team, fill_rooms, (tree, values), &next, &settings.faces);
+        *tree = next;
+        true
+    }
+
+    /// The longest stable time step [s], as the last adaptation or step left the gas.
+    pub fn longest_step(&self) -> f64 {
+        let settings = &self.settings;
+        let advection = settings.courant * settings.coarsest / self.fastest;
+        let finest = settings.spacing(self.tree.levels.len() as u8 - 1);
+        let gas = &settings.gas;
+        if gas.viscosity == 0.0 {
+            return advection;
+        }
+        // Heat spreads faster than momentum by the heat ratio over Prandtl's number.
+        let hottest = self.scales[1 + settings.dims] / self.scales[0];
+        let temperature = hottest * (gas.heat_ratio - 1.0) / gas.gas_constant;
+        let spread = gas.viscosity_at(temperature.max(gas.reference)) / self.least_density();
+        let spread = spread * (gas.heat_ratio / gas.prandtl).max(4.0 / 3.0);
+        advection.min(0.4 * finest * finest / (spread * settings.dims as f64))
+    }
+
+    fn least_density(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        self.for_each_point(|_, _, fields| least = least.min(fields[0]));
+        least
+    }
+
+    /// Makes one step of a time [s].
+    ///
+    /// # Errors
+    /// If somewhere there is no density or pressure any more; the solver is then of no use.
+    pub fn step(&mut self, dt: f64) -> Result<(), NoGasError> {
+        if self.steps.is_multiple_of(self.settings.adapt_every as u64) {
+            self.adapt();
+        }
+        self.start.clear();
+        self.start.extend_from_slice(&self.values.own);
+        for stage in STAGES {
+            self.find_rates()?;
+            let Self { values, rates, start, team, .. } = self;
+            let pieces = (Cut::every(&mut values.own, 4096), Cut::every(rates, 4096));
+            team.for_pieces(pieces, |piece, (own, rates): (&mut [f64], &mut [f64])| {
+                let start = &start[piece * 4096..];
+                for ((own, rate), start) in own.iter_mut().zip(rates).zip(start) {
+                    *own = stage[0] * start + stage[1] * *own + stage[2] * dt * *rate;
+                }
+            });
+            self.fill();
+        }
+        self.time += dt;
+        self.steps += 1;
+        self.find_scales();
+        Ok(())
+    }
+
+    /// Rates of change of the leaves' points; ghosts are filled.
+    fn find_rates(&mut self) -> Result<(), NoGasError> {
+        let Self { tree, values, rates, scales, team, gas_rooms, settings, .. } = self;
+        let (shape, gas, count) = (&tree.domain.shape, &settings.gas, values.fields);
+        let pressure = (gas.heat_ratio - 1.0) * scales[1 + settings.dims];
+        let bounds = [scales[0], pressure].map(|scale| settings.roughness * scale);
+        rates.resize(values.own.len(), 0.0);
+        let failed: Mutex<Option<(usize, NoGas)>> = Mutex::new(None);
+        let length = count * shape.points;
+        team.for_pieces_with(
+            Cut::every(rates, length),
+            gas_rooms,
+            |room, slot, rates: &mut [f64]| {
+                if tree.children[slot][0] != NONE {
+                    return;
+                }
+                let spacing = settings.spacing(tree.blocks[slot].level);
+                let padded = &values.padded[slot * count * shape.stored..][..count * shape.stored];
+                if let Err(no_gas) = find_rates((shape, gas), spacing, bounds, padded, room, rates)
+                {
+                    // The first in the blocks' order, whichever thread comes first.
+                    let mut failed = failed.lock().unwrap_or_else(|e| e.into_inner());
+                    if failed.is_none_or(|(other, _)| slot < other) {
+                        *failed = Some((slot, no_gas));
+                    }
+                }
+            },
+        );
+        match failed.into_inner().unwrap_or_else(|e| e.into_inner()) {
+            None => Ok(()),
+            Some((slot, NoGas { at, density, pressure })) => {
+                let at = self.place(self.tree.blocks[slot], at);
+                Err(NoGasError { at, density, pressure })
+            }
+        }
+    }
+}
+
+/// Where a point of a block stands.
+fn point_at(shape: &BlockShape, point: usize) -> [isize; 3] {
+    let [nx, ny, _] = shape.edge;
+    [point % nx, point / nx % ny, point / (nx * ny)].map(|x| x as isize)
+}
