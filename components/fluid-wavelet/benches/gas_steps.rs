@@ -3,7 +3,10 @@
 //! `cargo bench -p tremie-fluid-wavelet --bench gas_steps`
 
 use std::time::Instant;
-use tremie_fluid_wavelet::{Gas, GasState, WaveletSettings, WaveletSolver};
+use tremie_fluid_wavelet::{Ball, Gas, GasState, WaveletSettings, WaveletSolver};
+
+/// No bodies.
+const NONE: &[Ball] = &[];
 
 /// Steps that are timed.
 const STEPS: usize = 24;
@@ -22,12 +25,12 @@ fn measure(dims: usize, deepest: u8, tolerance: f64, reynolds: Option<f64>, thre
         let heap = 1.0 + 0.2 * (-200.0 * square).exp();
         GasState { density: heap, velocity: [0.1, -0.2, 0.05], pressure: heap / 1.4 }
     };
-    let mut solver = WaveletSolver::new(settings, threads, initial).expect("threads");
+    let mut solver = WaveletSolver::new(settings, threads, NONE, initial).expect("threads");
     let (mut points, mut took) = (0, 0.0);
     for step in 0..STEPS + 4 {
         let start = Instant::now();
         let dt = solver.longest_step();
-        solver.step(dt).expect("gas");
+        solver.step(dt, NONE).expect("gas");
         if step >= 4 {
             took += start.elapsed().as_secs_f64();
             points += solver.points();

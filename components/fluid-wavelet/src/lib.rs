@@ -6,10 +6,12 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod bodies;
 pub mod gas;
 pub mod grid;
 pub mod solver;
 
+pub use bodies::gas_body::{Ball, BodyLoad, GasBody, HalfSpace, SurfaceHeat};
 pub use gas::gas_law::{Gas, GasState};
 pub use solver::domain_faces::{DomainFace, DomainFaces};
 pub use solver::wavelet_solver::{NoGasError, WaveletSettings, WaveletSolver};

@@ -1,7 +1,10 @@
 //! Flows of a gas whose course is known.
 
 use std::f64::consts::PI;
-use tremie_fluid_wavelet::{DomainFace, Gas, GasState, WaveletSettings, WaveletSolver};
+use tremie_fluid_wavelet::{Ball, DomainFace, Gas, GasState, WaveletSettings, WaveletSolver};
+
+/// No bodies.
+const NONE: &[Ball] = &[];
 
 /// The isentropic vortex of strength 5 (Shu 1998), at a distance from its middle, without the wind.
 fn vortex(x: f64, y: f64) -> GasState {
@@ -29,11 +32,11 @@ fn carried_vortex(deepest: u8, tolerance: f64, time: f64) -> (f64, f64, usize) {
         state
     };
     let mut solver =
-        WaveletSolver::new(settings, 2, |x| wind(vortex(x[0], x[1]))).expect("threads");
+        WaveletSolver::new(settings, 2, NONE, |x| wind(vortex(x[0], x[1]))).expect("threads");
     let mass = solver.integral(0);
     while solver.time < time {
         let dt = solver.longest_step().min(time - solver.time);
-        solver.step(dt).expect("gas");
+        solver.step(dt, NONE).expect("gas");
     }
     let mut error = 0.0_f64;
     solver.for_each_point(|_, at, fields| {
@@ -103,10 +106,10 @@ fn shock_tube(deepest: u8) -> (f64, usize) {
         let (density, pressure) = if x[0] < 0.5 { (1.0, 1.0) } else { (0.125, 0.1) };
         GasState { density, velocity: [0.0; 3], pressure }
     };
-    let mut solver = WaveletSolver::new(settings, 1, initial).expect("threads");
+    let mut solver = WaveletSolver::new(settings, 1, NONE, initial).expect("threads");
     while solver.time < 0.2 {
         let dt = solver.longest_step().min(0.2 - solver.time);
-        solver.step(dt).expect("gas");
+        solver.step(dt, NONE).expect("gas");
     }
     let mut error = 0.0;
     solver.for_each_point(|block, at, fields| {
@@ -167,12 +170,12 @@ fn a_shock_comes_back_from_a_wall() {
             let is_behind = |x: f64| if is_turned { x > 0.75 } else { x < 0.25 };
             let of_behind = if is_turned { turned } else { behind };
             let initial = |x: [f64; 3]| if is_behind(x[0]) { of_behind } else { still };
-            let mut solver = WaveletSolver::new(settings, 1, initial).expect("threads");
+            let mut solver = WaveletSolver::new(settings, 1, NONE, initial).expect("threads");
             // The shock reaches the wall at 0.75/mach, and comes half of the way back.
             let end = 0.75 / mach + 0.2;
             while solver.time < end {
                 let dt = solver.longest_step().min(end - solver.time);
-                solver.step(dt).expect("gas");
+                solver.step(dt, NONE).expect("gas");
             }
             let mut at_wall = (f64::INFINITY, 0.0);
             solver.for_each_point(|_, at, fields| {
@@ -204,10 +207,10 @@ fn a_shear_wave_dies_as_its_viscosity_says() {
         velocity: [0.0, 0.01 * (wave * x[0]).sin(), 0.0],
         pressure: 1.0 / 1.4,
     };
-    let mut solver = WaveletSolver::new(settings, 2, initial).expect("threads");
+    let mut solver = WaveletSolver::new(settings, 2, NONE, initial).expect("threads");
     while solver.time < 0.5 {
         let dt = solver.longest_step().min(0.5 - solver.time);
-        solver.step(dt).expect("gas");
+        solver.step(dt, NONE).expect("gas");
     }
     let mut largest = 0.0_f64;
     solver.for_each_point(|_, _, fields| largest = largest.max(fields[2] / fields[0]));
@@ -229,10 +232,10 @@ fn pulse(dims: usize, threads: usize, axes: [usize; 3]) -> Vec<([u64; 3], u64)> 
         let pressure = (1.0 + 0.5 * (-80.0 * square).exp()) / 1.4;
         GasState { density: 1.0, velocity: [0.0; 3], pressure }
     };
-    let mut solver = WaveletSolver::new(settings, threads, initial).expect("threads");
+    let mut solver = WaveletSolver::new(settings, threads, NONE, initial).expect("threads");
     for _ in 0..10 {
         let dt = solver.longest_step();
-        solver.step(dt).expect("gas");
+        solver.step(dt, NONE).expect("gas");
     }
     let mut found = Vec::new();
     solver.for_each_point(|_, at, fields| {

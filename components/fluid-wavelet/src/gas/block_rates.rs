@@ -1,10 +1,11 @@
 //! What the gas's motion changes at the points of a block: the compressible equations of Navier and
 //! Stokes (Goetsch 2015, Eqs. 2.1 to 2.5).
 
+use crate::bodies::gas_body::BodyLoad;
 use crate::gas::central_flux::central_fluxes;
 use crate::gas::gas_law::{Gas, MOST_FIELDS, field_count};
 use crate::gas::shock_flux::shock_fluxes;
-use crate::gas::viscous_flux::{divergence, tangential_slopes, viscous_fluxes};
+use crate::gas::viscous_flux::{divergence, tangential_slopes, through_face, viscous_fluxes};
 use crate::grid::block_shape::BlockShape;
 
 /// Room to find the rates of a block in: fields with ghosts.
@@ -100,6 +101,52 @@ impl GasRoom {
     }
 }
 
+/// Momentum that goes into bodies through the faces between points in the gas and points inside.
+pub struct IntoBodies<'a> {
+    /// For each point, ghosts included, 0 in gas, or the body's number and one inside it.
+    pub marks: &'a [u16],
+    /// Place of the block's first ghost [m].
+    pub low: [f64; 3],
+    /// Centres of the bodies [m].
+    pub centres: &'a [[f64; 3]],
+    /// The loads, to which is added.
+    pub loads: &'a mut [BodyLoad],
+}
+
+impl IntoBodies<'_> {
+    /// Adds what goes through the faces across an axis above a block's own points.
+    fn add(
+        &mut self,
+        shape: &BlockShape,
+        axis: usize,
+        spacing: f64,
+        flux: impl Fn(usize, usize) -> f64,
+    ) {
+        let (from, to) = shape.own();
+        let area = spacing.powi(shape.dims as i32 - 1);
+        for row in shape.rows(from, to) {
+            for p in row..row + shape.edge[0] {
+                let [below, above] = [p, p + shape.stride[axis]].map(|p| self.marks[p]);
+                if below == above {
+                    continue;
+                }
+                let mut at: [f64; 3] = shape.at(p).map(|k| k as f64);
+                at[axis] += 0.5;
+                for (mark, sign) in [(above, area), (below, -area)] {
+                    let Some(body) = (mark as usize).checked_sub(1) else { continue };
+                    let mut force = [0.0; 3];
+                    (0..shape.dims).for_each(|a| force[a] = sign * flux(1 + a, p));
+                    let mut arm = [0.0; 3];
+                    for a in 0..shape.dims {
+                        arm[a] = self.low[a] + spacing * at[a] - self.centres[body][a];
+                    }
+                    self.loads[body].add(force, arm);
+                }
+            }
+        }
+    }
+}
+
 /// Rates of change of a block's own points. `padded` are its fields with ghosts, one after the
 /// other, and `bounds` the details of density and pressure that the grid takes as smooth.
 ///
@@ -112,6 +159,7 @@ pub fn find_rates(
     padded: &[f64],
     room: &mut GasRoom,
     rates: &mut [f64],
+    mut into_bodies: Option<IntoBodies<'_>>,
 ) -> Result<(), NoGas> {
     let count = field_count(shape.dims);
     let fields: [&[f64]; MOST_FIELDS] =
@@ -127,6 +175,9 @@ pub fn find_rates(
         add(shape, rates, -1.0 / spacing, count, |field, p| {
             room.flux[field][p] - room.flux[field][p - stride]
         });
+        if let Some(into) = &mut into_bodies {
+            into.add(shape, axis, spacing, |field, p| room.flux[field][p]);
+        }
     }
     if gas.viscosity > 0.0 {
         for p in 0..shape.stored {
@@ -142,6 +193,11 @@ pub fn find_rates(
             add(shape, rates, 1.0 / spacing, count, |field, p| {
                 divergence(&room.flux[field], p, stride)
             });
+            if let Some(into) = &mut into_bodies {
+                into.add(shape, axis, spacing, |field, p| {
+                    -through_face(&room.flux[field], p, stride)
+                });
+            }
         }
     }
     Ok(())

@@ -4,4 +4,4 @@ pub mod block_rates;
 mod central_flux;
 pub mod gas_law;
 mod shock_flux;
-mod viscous_flux;
+pub(crate) mod viscous_flux;

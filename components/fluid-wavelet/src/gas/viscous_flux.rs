@@ -88,3 +88,9 @@ pub fn divergence(flux: &[f64], p: usize, stride: usize) -> f64 {
     let inner = flux[p] - flux[p - stride];
     (27.0 * inner - flux[p + stride] + flux[p - 2 * stride]) / 24.0
 }
+
+/// What the divergence is the difference of.
+#[inline(always)]
+pub fn through_face(flux: &[f64], p: usize, stride: usize) -> f64 {
+    (26.0 * flux[p] - flux[p + stride] - flux[p - stride]) / 24.0
+}

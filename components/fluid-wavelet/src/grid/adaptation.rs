@@ -25,13 +25,14 @@ pub struct BlockMarks {
 }
 
 /// Marks what is significant in each block; nothing is in level 0, which is always there. Ghosts
-/// are filled. `thresholds` has the detail of each field from which on it is significant.
-pub fn find_marks(
+/// are filled. `thresholds` has the detail of each field from which on it is significant. Points
+/// that `hidden` marks by other numbers than 0 are not looked at; places include ghosts.
+pub fn find_marks<'a>(
     team: &mut Team,
     rooms: &mut [FillRoom],
-    tree: &BlockTree,
-    values: &BlockValues,
+    (tree, values): (&BlockTree, &BlockValues),
     thresholds: &[f64],
+    hidden: impl Fn(usize) -> Option<&'a [u16]> + Sync,
     marks: &mut Vec<BlockMarks>,
 ) {
     let shape = &tree.domain.shape;
@@ -41,12 +42,20 @@ pub fn find_marks(
         let block = tree.blocks[slot];
         if block.level > 0 {
             let mut is_significant = vec![false; shape.points];
+            let hidden = hidden(slot);
             for (field, threshold) in thresholds.iter().enumerate() {
                 let parent = values.padded_field(shape, tree.parents[slot] as usize, field);
                 let own = values.padded_field(shape, slot, field);
-                room.for_each_detail(shape, block.number(), parent, own, |number, _, detail| {
-                    is_significant[number] |= detail.abs() >= *threshold;
-                });
+                room.for_each_detail(
+                    shape,
+                    block.number(),
+                    parent,
+                    own,
+                    |number, place, detail| {
+                        let is_seen = hidden.is_none_or(|hidden| hidden[place] == 0);
+                        is_significant[number] |= is_seen && detail.abs() >= *threshold;
+                    },
+                );
             }
             marks[0] = marks_of(shape, &is_significant);
         }
@@ -245,7 +254,7 @@ mod tests {
         // Of both halves, each of which holds the profile once.
         let mut counts = Vec::new();
         for eps in [1e-2, 1e-3, 1e-4, 1e-5] {
-            find_marks(&mut team, &mut rooms, &tree, &full, &[eps], &mut marks);
+            find_marks(&mut team, &mut rooms, (&tree, &full), &[eps], |_| None, &mut marks);
             let kept: u32 = marks.iter().map(|marks| marks.significant).sum();
             counts.push(f64::from(kept + 32) / 2.0);
             let small = BlockTree::new(tree.domain, wanted_blocks(&tree, &marks));

@@ -50,6 +50,21 @@ impl BlockShape {
         at[0] + self.stride[1] * at[1] + self.stride[2] * at[2]
     }
 
+    /// The point at a place in memory, both counted from the first ghost.
+    #[inline]
+    pub fn at(&self, place: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.padded;
+        [place % nx, place / nx % ny, place / (nx * ny)]
+    }
+
+    /// Place of one of the block's own points among all, ghosts included.
+    #[inline]
+    pub fn padded_place(&self, own: usize) -> usize {
+        let [nx, ny, _] = self.edge;
+        let at = [own % nx, own / nx % ny, own / (nx * ny)];
+        self.place(std::array::from_fn(|a| at[a] + self.ghosts[a]))
+    }
+
     /// Rows along the first axis of a box of points, counted from the first ghost: the place of
     /// each row's first point. All are as long as the box.
     #[inline]

@@ -1,6 +1,10 @@
 //! The solver: adaptation, ghosts, and steps of third order in time.
 
-use crate::gas::block_rates::{GasRoom, NoGas, find_rates};
+use crate::bodies::body_mask::{BlockPlaces, BodyMask, blocks_at_surfaces};
+use crate::bodies::gas_body::{BodyLoad, GasBody};
+use crate::bodies::inside_points::InsidePoints;
+use crate::bodies::surface_loads::add_surface_loads;
+use crate::gas::block_rates::{GasRoom, IntoBodies, NoGas, find_rates};
 use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
 use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
 use crate::grid::block_shape::BlockShape;
@@ -40,6 +44,8 @@ pub struct WaveletSettings {
     pub adapt_every: usize,
     /// Way of the fastest signal in a step, in points.
     pub courant: f64,
+    /// Pressure from which that on bodies counts [Pa].
+    pub rest_pressure: f64,
     /// The gas.
     pub gas: Gas,
 }
@@ -59,6 +65,7 @@ impl WaveletSettings {
             roughness: 5e-3,
             adapt_every: 4,
             courant: 0.5,
+            rest_pressure: gas.gas_constant * gas.reference,
             gas,
         }
     }
@@ -95,6 +102,16 @@ pub struct NoGasError {
     pub pressure: f64,
 }
 
+/// Loads on a body by two estimators.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TwoLoads {
+    /// By stress at the surface.
+    pub by_stress: BodyLoad,
+    /// By the momentum that goes through the faces between points outside and inside: it is what
+    /// the gas lost, but for what it has between these faces and the surface.
+    pub by_momentum: BodyLoad,
+}
+
 /// A gas on its grid.
 pub struct WaveletSolver {
     /// How it is solved.
@@ -109,6 +126,10 @@ pub struct WaveletSolver {
     pub steps: u64,
     /// Significant points when the grid was last adapted.
     pub significant: u64,
+    /// Loads on the bodies in the last step.
+    pub loads: Vec<TwoLoads>,
+    mask: BodyMask,
+    inside: InsidePoints,
     rates: Vec<f64>,
     start: Vec<f64>,
     scales: Vec<f64>,
@@ -127,6 +148,7 @@ impl WaveletSolver {
     pub fn new(
         settings: WaveletSettings,
         threads: usize,
+        bodies: &[impl GasBody],
         initial: impl Fn([f64; 3]) -> GasState,
     ) -> std::io::Result<Self> {
         let tree = BlockTree::new(settings.domain(), []);
@@ -140,6 +162,9 @@ impl WaveletSolver {
             time: 0.0,
             steps: 0,
             significant: 0,
+            loads: Vec::new(),
+            mask: BodyMask::default(),
+            inside: InsidePoints::default(),
             rates: Vec::new(),
             start: Vec::new(),
             scales: Vec::new(),
@@ -152,12 +177,14 @@ impl WaveletSolver {
         // Each round may go one level deeper.
         for _ in 0..=settings.deepest {
             solver.set_to(&initial);
+            solver.place_bodies(bodies);
             solver.fill();
-            if !solver.adapt() {
+            if !solver.adapt(bodies) {
                 break;
             }
         }
         solver.set_to(&initial);
+        solver.place_bodies(bodies);
         solver.fill();
         solver.find_scales();
         Ok(solver)
@@ -254,19 +281,47 @@ impl WaveletSolver {
         self.fastest = fastest;
     }
 
+    /// Where blocks stand.
+    pub fn places(&self) -> BlockPlaces {
+        let WaveletSettings { origin, coarsest, .. } = self.settings;
+        BlockPlaces { shape: self.shape(), origin, coarsest }
+    }
+
+    /// Finds which points are inside bodies, and gives them their values.
+    fn place_bodies(&mut self, bodies: &[impl GasBody]) {
+        let places = self.places();
+        self.mask.find(&self.tree, &places, bodies);
+        self.inside.find(&self.tree, &places, &self.mask, bodies);
+        self.extend(bodies);
+    }
+
+    /// Gives points inside bodies their values.
+    fn extend(&mut self, bodies: &[impl GasBody]) {
+        let Self { tree, values, inside, settings, .. } = self;
+        let spacing = settings.spacing(settings.deepest);
+        inside.extend((&tree.domain.shape, &settings.gas), spacing, bodies, &mut values.own);
+    }
+
     /// Adapts the grid; true if it changed. Ghosts are filled, and are again afterwards.
-    fn adapt(&mut self) -> bool {
+    fn adapt(&mut self, bodies: &[impl GasBody]) -> bool {
         self.find_scales();
+        let places = self.places();
         let Self { tree, values, team, fill_rooms, marks, scales, settings, .. } = self;
         let thresholds: Vec<f64> = scales.iter().map(|s| settings.tolerance * s).collect();
-        find_marks(team, fill_rooms, tree, values, &thresholds, marks);
+        let (shape, mask) = (places.shape, &self.mask);
+        let hidden = |slot: usize| mask.of(&shape, slot);
+        find_marks(team, fill_rooms, (tree, values), &thresholds, hidden, marks);
         self.significant = marks.iter().map(|marks| u64::from(marks.significant)).sum();
-        let next = BlockTree::new(tree.domain, wanted_blocks(tree, marks));
+        let mut wanted = wanted_blocks(tree, marks);
+        wanted.extend(blocks_at_surfaces(&tree.domain, &places, bodies));
+        let next = BlockTree::new(tree.domain, wanted);
         if next.blocks == tree.blocks {
             return false;
         }
         *values = carry_over(team, fill_rooms, (tree, values), &next, &settings.faces);
         *tree = next;
+        self.place_bodies(bodies);
+        self.fill();
         true
     }
 
@@ -293,18 +348,24 @@ impl WaveletSolver {
         least
     }
 
-    /// Makes one step of a time [s].
+    /// Makes one step of a time [s], in which bodies stand where they are and move as they do.
     ///
     /// # Errors
     /// If somewhere there is no density or pressure any more; the solver is then of no use.
-    pub fn step(&mut self, dt: f64) -> Result<(), NoGasError> {
-        if self.steps.is_multiple_of(self.settings.adapt_every as u64) {
-            self.adapt();
+    pub fn step(&mut self, dt: f64, bodies: &[impl GasBody]) -> Result<(), NoGasError> {
+        if !bodies.is_empty() {
+            self.place_bodies(bodies);
+            self.fill();
         }
+        if self.steps.is_multiple_of(self.settings.adapt_every as u64) {
+            self.adapt(bodies);
+        }
+        self.loads.clear();
+        self.loads.resize(bodies.len(), TwoLoads::default());
         self.start.clear();
         self.start.extend_from_slice(&self.values.own);
-        for stage in STAGES {
-            self.find_rates()?;
+        for (number, stage) in STAGES.into_iter().enumerate() {
+            self.find_rates(bodies, number == 0)?;
             let Self { values, rates, start, team, .. } = self;
             let pieces = (Cut::every(&mut values.own, 4096), Cut::every(rates, 4096));
             team.for_pieces(pieces, |piece, (own, rates): (&mut [f64], &mut [f64])| {
@@ -313,6 +374,9 @@ impl WaveletSolver {
                     *own = stage[0] * start + stage[1] * *own + stage[2] * dt * *rate;
                 }
             });
+            if !bodies.is_empty() {
+                self.extend(bodies);
+            }
             self.fill();
         }
         self.time += dt;
@@ -321,34 +385,73 @@ impl WaveletSolver {
         Ok(())
     }
 
-    /// Rates of change of the leaves' points; ghosts are filled.
-    fn find_rates(&mut self) -> Result<(), NoGasError> {
-        let Self { tree, values, rates, scales, team, gas_rooms, settings, .. } = self;
+    /// Rates of change of the leaves' points; ghosts are filled. The loads of bodies are found if
+    /// asked for.
+    fn find_rates(&mut self, bodies: &[impl GasBody], with_loads: bool) -> Result<(), NoGasError> {
+        let places = self.places();
+        let Self { tree, values, rates, scales, team, gas_rooms, settings, mask, .. } = self;
         let (shape, gas, count) = (&tree.domain.shape, &settings.gas, values.fields);
         let pressure = (gas.heat_ratio - 1.0) * scales[1 + settings.dims];
         let bounds = [scales[0], pressure].map(|scale| settings.roughness * scale);
         rates.resize(values.own.len(), 0.0);
         let failed: Mutex<Option<(usize, NoGas)>> = Mutex::new(None);
         let length = count * shape.points;
+        let centres: Vec<_> = bodies.iter().map(GasBody::centre).collect();
+        // Of each block that bodies come near, in the blocks' order whichever thread finds them.
+        let mut of_blocks: Vec<Vec<TwoLoads>> = vec![Vec::new(); tree.blocks.len()];
+        let pieces = (Cut::every(rates, length), Cut::every(&mut of_blocks, 1));
         team.for_pieces_with(
-            Cut::every(rates, length),
+            pieces,
             gas_rooms,
-            |room, slot, rates: &mut [f64]| {
+            |room, slot, (rates, loads): (&mut [f64], &mut [Vec<_>])| {
                 if tree.children[slot][0] != NONE {
                     return;
                 }
-                let spacing = settings.spacing(tree.blocks[slot].level);
+                let block = tree.blocks[slot];
+                let spacing = settings.spacing(block.level);
                 let padded = &values.padded[slot * count * shape.stored..][..count * shape.stored];
-                if let Err(no_gas) = find_rates((shape, gas), spacing, bounds, padded, room, rates)
+                let marks = mask.of(shape, slot);
+                let mut by_momentum =
+                    vec![BodyLoad::default(); if marks.is_some() { bodies.len() } else { 0 }];
+                let into = marks.filter(|_| with_loads).map(|marks| IntoBodies {
+                    marks,
+                    low: places.padded_point(block, [0; 3]),
+                    centres: &centres,
+                    loads: &mut by_momentum,
+                });
+                if let Err(no_gas) =
+                    find_rates((shape, gas), spacing, bounds, padded, room, rates, into)
                 {
                     // The first in the blocks' order, whichever thread comes first.
                     let mut failed = failed.lock().unwrap_or_else(|e| e.into_inner());
                     if failed.is_none_or(|(other, _)| slot < other) {
                         *failed = Some((slot, no_gas));
                     }
+                    return;
+                }
+                let Some(marks) = marks else { return };
+                for own in 0..shape.points {
+                    if marks[shape.padded_place(own)] != 0 {
+                        (0..count).for_each(|field| rates[field * shape.points + own] = 0.0);
+                    }
+                }
+                if with_loads {
+                    let mut by_stress = vec![BodyLoad::default(); bodies.len()];
+                    let rest = settings.rest_pressure;
+                    add_surface_loads((&places, gas), block, rest, bodies, room, &mut by_stress);
+                    let both = by_stress.into_iter().zip(by_momentum);
+                    loads[0] = both
+                        .map(|(by_stress, by_momentum)| TwoLoads { by_stress, by_momentum })
+                        .collect();
                 }
             },
         );
+        for of_block in of_blocks {
+            for (load, more) in self.loads.iter_mut().zip(of_block) {
+                load.by_stress.add_all(more.by_stress);
+                load.by_momentum.add_all(more.by_momentum);
+            }
+        }
         match failed.into_inner().unwrap_or_else(|e| e.into_inner()) {
             None => Ok(()),
             Some((slot, NoGas { at, density, pressure })) => {
