@@ -14,4 +14,5 @@ pub mod solver;
 pub use bodies::gas_body::{Ball, BodyLoad, GasBody, HalfSpace, SurfaceHeat};
 pub use gas::gas_law::{Gas, GasState};
 pub use solver::domain_faces::{DomainFace, DomainFaces};
+pub use solver::sponge::Sponge;
 pub use solver::wavelet_solver::{NoGasError, WaveletSettings, WaveletSolver};

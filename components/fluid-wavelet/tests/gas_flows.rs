@@ -70,10 +70,10 @@ fn the_error_of_a_vortex_follows_the_tolerance() {
 /// Density of Sod's shock tube after a time, at a distance from the diaphragm.
 fn sod(x: f64, time: f64) -> f64 {
     // Pressure and speed between the waves (Toro 2009, Table 4.2).
-    let (gamma, star, speed) = (1.4_f64, 0.303_130_178, 0.927_452_620);
+    let (gamma, star, speed) = (1.4_f64, 0.303_130_178_f64, 0.927_452_620);
     let (left, right) = (0.426_319_428, 0.265_573_711);
     let sound = gamma.sqrt();
-    let tail = speed - sound * (star as f64).powf((gamma - 1.0) / (2.0 * gamma));
+    let tail = speed - sound * star.powf((gamma - 1.0) / (2.0 * gamma));
     let shock = (gamma * 0.1 / 0.125).sqrt()
         * ((gamma + 1.0) / (2.0 * gamma) * star / 0.1 + (gamma - 1.0) / (2.0 * gamma)).sqrt();
     let along = x / time;

@@ -2,11 +2,13 @@
 //! Stokes (Goetsch 2015, Eqs. 2.1 to 2.5).
 
 use crate::bodies::gas_body::BodyLoad;
-use crate::gas::central_flux::central_fluxes;
+use crate::gas::central_flux::{central_fluxes, shifted};
 use crate::gas::gas_law::{Gas, MOST_FIELDS, field_count};
 use crate::gas::shock_flux::shock_fluxes;
-use crate::gas::viscous_flux::{divergence, tangential_slopes, through_face, viscous_fluxes};
+use crate::gas::viscous_flux::{tangential_slopes, through_face, viscous_fluxes};
 use crate::grid::block_shape::BlockShape;
+use tremie_team::Variant;
+use tremie_team::instructions::Work;
 
 /// Room to find the rates of a block in: fields with ghosts.
 #[derive(Clone, Debug)]
@@ -58,6 +60,7 @@ impl GasRoom {
     ///
     /// # Errors
     /// If a point has no density or pressure.
+    #[inline(always)]
     pub(crate) fn find_state(
         &mut self,
         shape: &BlockShape,
@@ -70,22 +73,27 @@ impl GasRoom {
         let mut is_gas = true;
         for first in (0..shape.stored).step_by(64) {
             let run = 64.min(shape.stored - first);
+            let row = first..first + run;
+            let (density, energy) = (&density[row.clone()], &energy[row.clone()]);
             square[..run].fill(0.0);
             for a in 0..dims {
+                let momentum = &fields[1 + a][row.clone()];
+                let velocity = &mut self.velocity[a][row.clone()];
                 for k in 0..run {
-                    let p = first + k;
-                    let u = fields[1 + a][p] / density[p];
-                    self.velocity[a][p] = u;
+                    let u = momentum[k] / density[k];
+                    velocity[k] = u;
                     square[k] += u * u;
                 }
             }
+            let pressure = &mut self.pressure[row.clone()];
+            let temperature = &mut self.temperature[row.clone()];
+            let enthalpy = &mut self.enthalpy[row];
             for k in 0..run {
-                let p = first + k;
-                let pressure = (gas.heat_ratio - 1.0) * (energy[p] - 0.5 * density[p] * square[k]);
-                self.pressure[p] = pressure;
-                self.temperature[p] = pressure / (density[p] * gas.gas_constant);
-                self.enthalpy[p] = (energy[p] + pressure) / density[p];
-                is_gas &= density[p] > 0.0 && pressure > 0.0;
+                let p = (gas.heat_ratio - 1.0) * (energy[k] - 0.5 * density[k] * square[k]);
+                pressure[k] = p;
+                temperature[k] = p / (density[k] * gas.gas_constant);
+                enthalpy[k] = (energy[k] + p) / density[k];
+                is_gas &= density[k] > 0.0 && p > 0.0;
             }
         }
         if is_gas { Ok(()) } else { Err(self.first_without_gas(shape, density)) }
@@ -147,60 +155,103 @@ impl IntoBodies<'_> {
     }
 }
 
-/// Rates of change of a block's own points. `padded` are its fields with ghosts, one after the
-/// other, and `bounds` the details of density and pressure that the grid takes as smooth.
-///
-/// # Errors
-/// If a point has no density or pressure.
-pub fn find_rates(
-    (shape, gas): (&BlockShape, &Gas),
-    spacing: f64,
-    bounds: [f64; 2],
-    padded: &[f64],
-    room: &mut GasRoom,
-    rates: &mut [f64],
-    mut into_bodies: Option<IntoBodies<'_>>,
-) -> Result<(), NoGas> {
-    let count = field_count(shape.dims);
-    let fields: [&[f64]; MOST_FIELDS] =
-        std::array::from_fn(|field| &padded[field.min(count - 1) * shape.stored..][..shape.stored]);
-    room.find_state(shape, gas, &fields)?;
-    rates.fill(0.0);
-    for axis in 0..shape.dims {
+/// What the rates of a block are found of.
+pub struct RatesOfBlock<'a> {
+    /// Shape of the block.
+    pub shape: &'a BlockShape,
+    /// The gas.
+    pub gas: &'a Gas,
+    /// Spacing of its points [m].
+    pub spacing: f64,
+    /// Details of density and pressure that the grid takes as smooth.
+    pub bounds: [f64; 2],
+    /// Its fields with ghosts, one after the other.
+    pub padded: &'a [f64],
+    /// Room for a thread.
+    pub room: &'a mut GasRoom,
+    /// Rates of change of its own points, which are found.
+    pub rates: &'a mut [f64],
+    /// What goes into bodies, if that is asked for.
+    pub into_bodies: Option<IntoBodies<'a>>,
+}
+
+/// Finds rates, and says whether there was gas.
+struct FindRates<'a, 'b> {
+    of: RatesOfBlock<'a>,
+    outcome: &'b mut Result<(), NoGas>,
+}
+
+impl Work for FindRates<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        *self.outcome = self.of.find_here();
+    }
+}
+
+impl RatesOfBlock<'_> {
+    /// Finds the rates, in a variant's instructions.
+    ///
+    /// # Errors
+    /// If a point has no density or pressure.
+    pub fn find(self, variant: Variant) -> Result<(), NoGas> {
+        let mut outcome = Ok(());
+        variant.run(FindRates { of: self, outcome: &mut outcome });
+        outcome
+    }
+
+    #[inline(always)]
+    fn find_here(mut self) -> Result<(), NoGas> {
+        let (shape, count) = (self.shape, field_count(self.shape.dims));
+        let padded = self.padded;
+        let fields: [&[f64]; MOST_FIELDS] = std::array::from_fn(|field| {
+            &padded[field.min(count - 1) * shape.stored..][..shape.stored]
+        });
+        self.room.find_state(shape, self.gas, &fields)?;
+        self.rates.fill(0.0);
+        for axis in 0..shape.dims {
+            self.add_transport(axis, &fields);
+        }
+        if self.gas.viscosity > 0.0 {
+            let GasRoom { viscosity, temperature, .. } = &mut *self.room;
+            for (viscosity, temperature) in viscosity.iter_mut().zip(&*temperature) {
+                *viscosity = self.gas.viscosity_at(*temperature);
+            }
+            for axis in 0..shape.dims {
+                self.add_friction(axis);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds what gas and pressure carry along an axis.
+    #[inline(always)]
+    fn add_transport(&mut self, axis: usize, fields: &[&[f64]; MOST_FIELDS]) {
+        let Self { shape, gas, spacing, bounds, room, rates, into_bodies, .. } = self;
         for (row, run) in face_rows(shape, axis, 1) {
             central_fluxes(shape, axis, room, fields[0], row, run);
-            shock_fluxes((shape, gas), axis, room, &fields, bounds, (row, run));
+            shock_fluxes((shape, gas), axis, room, fields, *bounds, (row, run));
         }
-        let stride = shape.stride[axis];
-        add(shape, rates, -1.0 / spacing, count, |field, p| {
-            room.flux[field][p] - room.flux[field][p - stride]
-        });
-        if let Some(into) = &mut into_bodies {
-            into.add(shape, axis, spacing, |field, p| room.flux[field][p]);
+        let fluxes = &room.flux[..field_count(shape.dims)];
+        add_differences(shape, rates, -1.0 / *spacing, fluxes, shape.stride[axis]);
+        if let Some(into) = into_bodies {
+            into.add(shape, axis, *spacing, |field, p| fluxes[field][p]);
         }
     }
-    if gas.viscosity > 0.0 {
-        for p in 0..shape.stored {
-            room.viscosity[p] = gas.viscosity_at(room.temperature[p]);
+
+    /// Adds what friction and conduction carry along an axis.
+    #[inline(always)]
+    fn add_friction(&mut self, axis: usize) {
+        let Self { shape, gas, spacing, room, rates, into_bodies, .. } = self;
+        tangential_slopes(shape, axis, room);
+        for (row, run) in face_rows(shape, axis, 2) {
+            viscous_fluxes((shape, gas), axis, *spacing, room, (row, run));
         }
-        room.flux[0].fill(0.0);
-        for axis in 0..shape.dims {
-            tangential_slopes(shape, axis, room);
-            for (row, run) in face_rows(shape, axis, 2) {
-                viscous_fluxes((shape, gas), axis, spacing, room, (row, run));
-            }
-            let stride = shape.stride[axis];
-            add(shape, rates, 1.0 / spacing, count, |field, p| {
-                divergence(&room.flux[field], p, stride)
-            });
-            if let Some(into) = &mut into_bodies {
-                into.add(shape, axis, spacing, |field, p| {
-                    -through_face(&room.flux[field], p, stride)
-                });
-            }
+        let (fluxes, stride) = (&room.flux[..field_count(shape.dims)], shape.stride[axis]);
+        add_divergences(shape, rates, 1.0 / (24.0 * *spacing), fluxes, stride);
+        if let Some(into) = into_bodies {
+            into.add(shape, axis, *spacing, |field, p| -through_face(&fluxes[field], p, stride));
         }
     }
-    Ok(())
 }
 
 /// Rows of points along the first axis, and their length, the faces above which are those of a
@@ -216,20 +267,45 @@ fn face_rows(
     shape.rows(from, to).map(move |row| (row, to[0] - from[0]))
 }
 
-/// Adds to the rates of a block's own points.
+/// Adds differences of fluxes to the rates of a block's own points.
 #[inline(always)]
-fn add(
+fn add_differences(
     shape: &BlockShape,
     rates: &mut [f64],
     factor: f64,
-    count: usize,
-    of: impl Fn(usize, usize) -> f64,
+    fluxes: &[Vec<f64>],
+    stride: usize,
 ) {
     let (from, to) = shape.own();
-    for (field, rates) in rates.chunks_exact_mut(shape.points).enumerate().take(count) {
-        for (row, rates) in shape.rows(from, to).zip(rates.chunks_exact_mut(shape.edge[0])) {
-            for (k, rate) in rates.iter_mut().enumerate() {
-                *rate += factor * of(field, row + k);
+    let (run, s) = (shape.edge[0], stride as isize);
+    for (flux, rates) in fluxes.iter().zip(rates.chunks_exact_mut(shape.points)) {
+        for (row, rates) in shape.rows(from, to).zip(rates.chunks_exact_mut(run)) {
+            let of = |by: isize| shifted(flux, row, run, by);
+            let (below, above) = (of(-s), of(0));
+            for k in 0..run {
+                rates[k] += factor * (above[k] - below[k]);
+            }
+        }
+    }
+}
+
+/// Adds divergences of fourth order to the rates of a block's own points.
+#[inline(always)]
+fn add_divergences(
+    shape: &BlockShape,
+    rates: &mut [f64],
+    factor: f64,
+    fluxes: &[Vec<f64>],
+    stride: usize,
+) {
+    let (from, to) = shape.own();
+    let (run, s) = (shape.edge[0], stride as isize);
+    for (flux, rates) in fluxes.iter().zip(rates.chunks_exact_mut(shape.points)).skip(1) {
+        for (row, rates) in shape.rows(from, to).zip(rates.chunks_exact_mut(run)) {
+            let of = |by: isize| shifted(flux, row, run, by);
+            let (f0, f1, f2, f3) = (of(-2 * s), of(-s), of(0), of(s));
+            for k in 0..run {
+                rates[k] += factor * (27.0 * (f2[k] - f1[k]) - (f3[k] - f0[k]));
             }
         }
     }

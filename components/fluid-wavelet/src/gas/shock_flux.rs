@@ -8,21 +8,31 @@
 //! faces, and so no dissipation but the gas's own.
 
 use crate::gas::block_rates::GasRoom;
+use crate::gas::central_flux::{MOST_RUN, shifted};
 use crate::gas::gas_law::{Gas, MOST_FIELDS};
 use crate::grid::block_shape::BlockShape;
 
 /// Fourth difference over 16 times that is as large as a wavelet's detail.
 const DETAIL: f64 = 3.0 / 16.0;
 
-/// True if a field is rough beside the face above a point: what wavelets would be there exceeds
-/// a bound.
+/// Marks the faces above a row's points beside which a field is rough: what wavelets would be there
+/// exceeds a bound.
 #[inline(always)]
-fn is_rough(field: &[f64], p: usize, stride: usize, bound: f64) -> bool {
-    let fourth = |p: usize| {
-        let outer = field[p - 2 * stride] + field[p + 2 * stride];
-        outer - 4.0 * (field[p - stride] + field[p + stride]) + 6.0 * field[p]
-    };
-    DETAIL * fourth(p).abs().max(fourth(p + stride).abs()) > bound
+fn mark_rough(
+    field: &[f64],
+    (row, run): (usize, usize),
+    stride: usize,
+    bound: f64,
+    is_rough: &mut [bool; MOST_RUN],
+) {
+    let s = stride as isize;
+    let of = |by: isize| shifted(field, row, run, by);
+    let (f0, f1, f2, f3, f4, f5) = (of(-2 * s), of(-s), of(0), of(s), of(2 * s), of(3 * s));
+    for k in 0..run {
+        let below = (f0[k] + f4[k]) - 4.0 * (f1[k] + f3[k]) + 6.0 * f2[k];
+        let above = (f1[k] + f5[k]) - 4.0 * (f2[k] + f4[k]) + 6.0 * f3[k];
+        is_rough[k] |= DETAIL * below.abs().max(above.abs()) > bound;
+    }
 }
 
 /// Replaces the fluxes through rough faces above `run` points from `row` on, across an axis.
@@ -37,14 +47,13 @@ pub fn shock_fluxes(
     (row, run): (usize, usize),
 ) {
     let stride = shape.stride[axis];
-    for p in row..row + run {
-        if is_rough(fields[0], p, stride, bounds[0])
-            || is_rough(&room.pressure, p, stride, bounds[1])
-        {
-            let flux = upwind_flux(gas, shape.dims, axis, room, fields, (p, stride));
-            for (field, flux) in flux.iter().enumerate().take(shape.dims + 2) {
-                room.flux[field][p] = *flux;
-            }
+    let mut is_rough = [false; MOST_RUN];
+    mark_rough(fields[0], (row, run), stride, bounds[0], &mut is_rough);
+    mark_rough(&room.pressure, (row, run), stride, bounds[1], &mut is_rough);
+    for p in (row..row + run).zip(is_rough).filter(|(_, is)| *is).map(|(p, _)| p) {
+        let flux = upwind_flux(gas, shape.dims, axis, room, fields, (p, stride));
+        for (field, flux) in flux.iter().enumerate().take(shape.dims + 2) {
+            room.flux[field][p] = *flux;
         }
     }
 }

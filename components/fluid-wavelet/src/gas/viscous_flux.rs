@@ -4,21 +4,37 @@
 //! at points, interpolated like all else by `(-1, 9, 9, -1)/16`. The divergence takes four faces.
 
 use crate::gas::block_rates::GasRoom;
+use crate::gas::central_flux::{MOST_RUN, shifted};
 use crate::gas::gas_law::Gas;
 use crate::grid::block_shape::BlockShape;
 
-/// Value on the face above a point.
+/// A number for each face of a row.
+type RowOfFaces = [f64; MOST_RUN];
+
+/// Values on the faces above a row of points.
 #[inline(always)]
-fn on_face(field: &[f64], p: usize, stride: usize) -> f64 {
-    let inner = field[p] + field[p + stride];
-    (9.0 * inner - field[p - stride] - field[p + 2 * stride]) / 16.0
+fn on_faces(field: &[f64], (row, run): (usize, usize), stride: usize) -> RowOfFaces {
+    let s = stride as isize;
+    let of = |by: isize| shifted(field, row, run, by);
+    let (f0, f1, f2, f3) = (of(-s), of(0), of(s), of(2 * s));
+    let mut faces = [0.0; MOST_RUN];
+    for k in 0..run {
+        faces[k] = (9.0 * (f1[k] + f2[k]) - (f0[k] + f3[k])) * (1.0 / 16.0);
+    }
+    faces
 }
 
-/// Derivative across the face above a point, times the spacing.
+/// Derivatives across the faces above a row of points, times the spacing.
 #[inline(always)]
-fn across_face(field: &[f64], p: usize, stride: usize) -> f64 {
-    let inner = field[p + stride] - field[p];
-    (27.0 * inner + field[p - stride] - field[p + 2 * stride]) / 24.0
+fn across_faces(field: &[f64], (row, run): (usize, usize), stride: usize) -> RowOfFaces {
+    let s = stride as isize;
+    let of = |by: isize| shifted(field, row, run, by);
+    let (f0, f1, f2, f3) = (of(-s), of(0), of(s), of(2 * s));
+    let mut faces = [0.0; MOST_RUN];
+    for k in 0..run {
+        faces[k] = (27.0 * (f2[k] - f1[k]) - (f3[k] - f0[k])) * (1.0 / 24.0);
+    }
+    faces
 }
 
 /// Derivative at a point along an axis, times the spacing.
@@ -38,9 +54,13 @@ pub fn tangential_slopes(shape: &BlockShape, axis: usize, room: &mut GasRoom) {
     for b in (0..shape.dims).filter(|&b| b != axis) {
         for component in [axis, b] {
             let which = if component == axis { &mut slope[2 * b] } else { &mut slope[2 * b + 1] };
+            let (run, s) = (to[0] - from[0], shape.stride[b] as isize);
             for row in shape.rows(from, to) {
-                for p in row..row + to[0] - from[0] {
-                    which[p] = at_point(&velocity[component], p, shape.stride[b]);
+                let of = |by: isize| shifted(&velocity[component], row, run, by);
+                let (f0, f1, f2, f3) = (of(-2 * s), of(-s), of(s), of(2 * s));
+                let which = &mut which[row..row + run];
+                for k in 0..run {
+                    which[k] = (8.0 * (f2[k] - f1[k]) - (f3[k] - f0[k])) * (1.0 / 12.0);
                 }
             }
         }
@@ -60,36 +80,36 @@ pub fn viscous_fluxes(
     let (dims, stride) = (shape.dims, shape.stride[axis]);
     let conduction = gas.conduction();
     let GasRoom { velocity, temperature, viscosity, slope, flux, .. } = room;
-    for p in row..row + run {
-        let factor = on_face(viscosity, p, stride) / spacing;
-        let along = across_face(&velocity[axis], p, stride);
-        let mut divergence = along;
-        for b in (0..dims).filter(|&b| b != axis) {
-            divergence += on_face(&slope[2 * b + 1], p, stride);
-        }
-        let mut energy = factor * conduction * across_face(temperature, p, stride);
-        for b in 0..dims {
-            let stress = if b == axis {
-                factor * (2.0 * along - 2.0 / 3.0 * divergence)
-            } else {
-                let turned = on_face(&slope[2 * b], p, stride);
-                factor * (across_face(&velocity[b], p, stride) + turned)
-            };
-            flux[1 + b][p] = stress;
-            energy += stress * on_face(&velocity[b], p, stride);
-        }
-        flux[1 + dims][p] = energy;
+    let (rows, across) = ((row, run), across_faces(&velocity[axis], (row, run), stride));
+    let factor = on_faces(viscosity, rows, stride).map(|factor| factor / spacing);
+    let mut divergence = across;
+    for b in (0..dims).filter(|&b| b != axis) {
+        let along = on_faces(&slope[2 * b + 1], rows, stride);
+        (0..run).for_each(|k| divergence[k] += along[k]);
     }
+    let mut energy = across_faces(temperature, rows, stride);
+    (0..run).for_each(|k| energy[k] *= factor[k] * conduction);
+    for b in 0..dims {
+        let mut stress = [0.0; MOST_RUN];
+        if b == axis {
+            for k in 0..run {
+                stress[k] = factor[k] * (2.0 * across[k] - 2.0 / 3.0 * divergence[k]);
+            }
+        } else {
+            let turned = on_faces(&slope[2 * b], rows, stride);
+            let sheared = across_faces(&velocity[b], rows, stride);
+            (0..run).for_each(|k| stress[k] = factor[k] * (sheared[k] + turned[k]));
+        }
+        let carried = on_faces(&velocity[b], rows, stride);
+        for k in 0..run {
+            energy[k] += stress[k] * carried[k];
+        }
+        flux[1 + b][row..row + run].copy_from_slice(&stress[..run]);
+    }
+    flux[1 + dims][row..row + run].copy_from_slice(&energy[..run]);
 }
 
-/// Divergence of fluxes at a point, times the spacing.
-#[inline(always)]
-pub fn divergence(flux: &[f64], p: usize, stride: usize) -> f64 {
-    let inner = flux[p] - flux[p - stride];
-    (27.0 * inner - flux[p + stride] + flux[p - 2 * stride]) / 24.0
-}
-
-/// What the divergence is the difference of.
+/// Flux whose difference the divergence of fourth order is.
 #[inline(always)]
 pub fn through_face(flux: &[f64], p: usize, stride: usize) -> f64 {
     (26.0 * flux[p] - flux[p + stride] - flux[p - stride]) / 24.0

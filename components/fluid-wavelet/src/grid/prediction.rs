@@ -50,11 +50,12 @@ fn refine_along(shape: &BlockShape, axis: usize, half: usize, from: &[f64], to: 
             let (at, source) = (row + point * stride, row + below * stride);
             let run = if axis == 0 { 1 } else { shape.padded[0] };
             if is_between {
+                let of = |first: usize| &from[first..first + run];
+                let (f0, f1) = (of(source - stride), of(source));
+                let (f2, f3) = (of(source + stride), of(source + 2 * stride));
+                let to = &mut to[at..at + run];
                 for k in 0..run {
-                    let s = source + k;
-                    let inner = from[s] + from[s + stride];
-                    let outer = from[s - stride] + from[s + 2 * stride];
-                    to[at + k] = (9.0 * inner - outer) / 16.0;
+                    to[k] = (9.0 * (f1[k] + f2[k]) - (f0[k] + f3[k])) * (1.0 / 16.0);
                 }
             } else {
                 to[at..at + run].copy_from_slice(&from[source..source + run]);

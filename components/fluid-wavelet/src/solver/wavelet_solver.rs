@@ -4,15 +4,15 @@ use crate::bodies::body_mask::{BlockPlaces, BodyMask, blocks_at_surfaces};
 use crate::bodies::gas_body::{BodyLoad, GasBody};
 use crate::bodies::inside_points::InsidePoints;
 use crate::bodies::surface_loads::add_surface_loads;
-use crate::gas::block_rates::{GasRoom, IntoBodies, NoGas, find_rates};
+use crate::gas::block_rates::{GasRoom, IntoBodies, NoGas, RatesOfBlock};
 use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
 use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
 use crate::grid::block_shape::BlockShape;
 use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, NONE};
 use crate::grid::block_values::{BlockValues, FillRoom};
 use crate::solver::domain_faces::{DomainFace, DomainFaces};
-use std::sync::Mutex;
-use tremie_team::{Cut, Team};
+use crate::solver::sponge::Sponge;
+use tremie_team::{Cut, Team, Variant};
 
 /// Weights of the steps of Shu and Osher (1988): of the start, of what the step before gave, and of
 /// its rates times the time step.
@@ -44,6 +44,8 @@ pub struct WaveletSettings {
     pub adapt_every: usize,
     /// Way of the fastest signal in a step, in points.
     pub courant: f64,
+    /// Layer at the faces in which what runs out dies, if any.
+    pub sponge: Option<Sponge>,
     /// Pressure from which that on bodies counts [Pa].
     pub rest_pressure: f64,
     /// The gas.
@@ -65,6 +67,7 @@ impl WaveletSettings {
             roughness: 5e-3,
             adapt_every: 4,
             courant: 0.5,
+            sponge: None,
             rest_pressure: gas.gas_constant * gas.reference,
             gas,
         }
@@ -136,6 +139,7 @@ pub struct WaveletSolver {
     fastest: f64,
     marks: Vec<BlockMarks>,
     team: Team,
+    variant: Variant,
     fill_rooms: Vec<FillRoom>,
     gas_rooms: Vec<GasRoom>,
 }
@@ -171,6 +175,7 @@ impl WaveletSolver {
             fastest: 0.0,
             marks: Vec::new(),
             team,
+            variant: Variant::widest(),
             fill_rooms: (0..threads).map(|_| FillRoom::new(&shape)).collect(),
             gas_rooms: (0..threads).map(|_| GasRoom::new(&shape)).collect(),
         };
@@ -388,77 +393,112 @@ impl WaveletSolver {
     /// Rates of change of the leaves' points; ghosts are filled. The loads of bodies are found if
     /// asked for.
     fn find_rates(&mut self, bodies: &[impl GasBody], with_loads: bool) -> Result<(), NoGasError> {
+        let length = self.values.fields * self.shape().points;
+        self.rates.resize(self.values.own.len(), 0.0);
         let places = self.places();
-        let Self { tree, values, rates, scales, team, gas_rooms, settings, mask, .. } = self;
-        let (shape, gas, count) = (&tree.domain.shape, &settings.gas, values.fields);
-        let pressure = (gas.heat_ratio - 1.0) * scales[1 + settings.dims];
-        let bounds = [scales[0], pressure].map(|scale| settings.roughness * scale);
-        rates.resize(values.own.len(), 0.0);
-        let failed: Mutex<Option<(usize, NoGas)>> = Mutex::new(None);
-        let length = count * shape.points;
-        let centres: Vec<_> = bodies.iter().map(GasBody::centre).collect();
-        // Of each block that bodies come near, in the blocks' order whichever thread finds them.
-        let mut of_blocks: Vec<Vec<TwoLoads>> = vec![Vec::new(); tree.blocks.len()];
-        let pieces = (Cut::every(rates, length), Cut::every(&mut of_blocks, 1));
-        team.for_pieces_with(
-            pieces,
-            gas_rooms,
-            |room, slot, (rates, loads): (&mut [f64], &mut [Vec<_>])| {
-                if tree.children[slot][0] != NONE {
-                    return;
-                }
-                let block = tree.blocks[slot];
-                let spacing = settings.spacing(block.level);
-                let padded = &values.padded[slot * count * shape.stored..][..count * shape.stored];
-                let marks = mask.of(shape, slot);
-                let mut by_momentum =
-                    vec![BodyLoad::default(); if marks.is_some() { bodies.len() } else { 0 }];
-                let into = marks.filter(|_| with_loads).map(|marks| IntoBodies {
-                    marks,
-                    low: places.padded_point(block, [0; 3]),
-                    centres: &centres,
-                    loads: &mut by_momentum,
-                });
-                if let Err(no_gas) =
-                    find_rates((shape, gas), spacing, bounds, padded, room, rates, into)
-                {
-                    // The first in the blocks' order, whichever thread comes first.
-                    let mut failed = failed.lock().unwrap_or_else(|e| e.into_inner());
-                    if failed.is_none_or(|(other, _)| slot < other) {
-                        *failed = Some((slot, no_gas));
-                    }
-                    return;
-                }
-                let Some(marks) = marks else { return };
-                for own in 0..shape.points {
-                    if marks[shape.padded_place(own)] != 0 {
-                        (0..count).for_each(|field| rates[field * shape.points + own] = 0.0);
-                    }
-                }
-                if with_loads {
-                    let mut by_stress = vec![BodyLoad::default(); bodies.len()];
-                    let rest = settings.rest_pressure;
-                    add_surface_loads((&places, gas), block, rest, bodies, room, &mut by_stress);
-                    let both = by_stress.into_iter().zip(by_momentum);
-                    loads[0] = both
-                        .map(|(by_stress, by_momentum)| TwoLoads { by_stress, by_momentum })
-                        .collect();
-                }
-            },
-        );
-        for of_block in of_blocks {
-            for (load, more) in self.loads.iter_mut().zip(of_block) {
+        let Self { tree, values, settings, mask, scales, rates, team, gas_rooms, .. } = self;
+        let pass =
+            RatesPass { tree, values, settings, mask, scales, variant: self.variant, places };
+        let mut found: Vec<OfBlock> = Vec::new();
+        found.resize_with(tree.blocks.len(), OfBlock::default);
+        let pieces = (Cut::every(rates, length), Cut::every(&mut found, 1));
+        team.for_pieces_with(pieces, gas_rooms, |room, slot, piece: (_, &mut [OfBlock])| {
+            piece.1[0] = pass.of_block(slot, bodies, with_loads, room, piece.0);
+        });
+        // In the order of the blocks, whichever thread found what.
+        for (slot, found) in found.into_iter().enumerate() {
+            if let Some(NoGas { at, density, pressure }) = found.failed {
+                let at = self.place(self.tree.blocks[slot], at);
+                return Err(NoGasError { at, density, pressure });
+            }
+            for (load, more) in self.loads.iter_mut().zip(found.loads) {
                 load.by_stress.add_all(more.by_stress);
                 load.by_momentum.add_all(more.by_momentum);
             }
         }
-        match failed.into_inner().unwrap_or_else(|e| e.into_inner()) {
-            None => Ok(()),
-            Some((slot, NoGas { at, density, pressure })) => {
-                let at = self.place(self.tree.blocks[slot], at);
-                Err(NoGasError { at, density, pressure })
-            }
+        Ok(())
+    }
+}
+
+/// What the rates of all blocks are found of.
+struct RatesPass<'a> {
+    tree: &'a BlockTree,
+    values: &'a BlockValues,
+    settings: &'a WaveletSettings,
+    mask: &'a BodyMask,
+    scales: &'a [f64],
+    variant: Variant,
+    places: BlockPlaces,
+}
+
+impl RatesPass<'_> {
+    /// Rates of a block's points, and its share of the loads.
+    fn of_block(
+        &self,
+        slot: usize,
+        bodies: &[impl GasBody],
+        with_loads: bool,
+        room: &mut GasRoom,
+        rates: &mut [f64],
+    ) -> OfBlock {
+        let Self { tree, values, settings, mask, places, .. } = self;
+        if tree.children[slot][0] != NONE {
+            return OfBlock::default();
         }
+        let (shape, gas, count) = (&tree.domain.shape, &settings.gas, values.fields);
+        let block = tree.blocks[slot];
+        let pressure = (gas.heat_ratio - 1.0) * self.scales[1 + settings.dims];
+        let marks = mask.of(shape, slot);
+        let near = if marks.is_some() && with_loads { bodies } else { &[] };
+        let mut by_momentum = vec![BodyLoad::default(); near.len()];
+        let centres: Vec<_> = near.iter().map(GasBody::centre).collect();
+        let of = RatesOfBlock {
+            shape,
+            gas,
+            spacing: settings.spacing(block.level),
+            bounds: [self.scales[0], pressure].map(|scale| settings.roughness * scale),
+            padded: &values.padded[slot * count * shape.stored..][..count * shape.stored],
+            room: &mut *room,
+            rates: &mut *rates,
+            into_bodies: marks.filter(|_| with_loads).map(|marks| IntoBodies {
+                marks,
+                low: places.padded_point(block, [0; 3]),
+                centres: &centres,
+                loads: &mut by_momentum,
+            }),
+        };
+        if let Err(no_gas) = of.find(self.variant) {
+            return OfBlock { failed: Some(no_gas), loads: Vec::new() };
+        }
+        if let Some(sponge) = &settings.sponge {
+            let length = count * shape.points;
+            let own = &values.own[slot * length..][..length];
+            sponge.add(&tree.domain, places, block, own, rates);
+        }
+        if let Some(marks) = marks {
+            hold_inside(shape, marks, rates);
+        }
+        let mut by_stress = vec![BodyLoad::default(); near.len()];
+        let rest = settings.rest_pressure;
+        add_surface_loads((places, gas), block, rest, near, room, &mut by_stress);
+        let both = by_stress.into_iter().zip(by_momentum);
+        let loads = both.map(|(by_stress, by_momentum)| TwoLoads { by_stress, by_momentum });
+        OfBlock { failed: None, loads: loads.collect() }
+    }
+}
+
+/// What was found of a block besides its rates.
+#[derive(Default)]
+struct OfBlock {
+    failed: Option<NoGas>,
+    /// Of all bodies, if any come near it.
+    loads: Vec<TwoLoads>,
+}
+
+/// Points inside bodies do not change by the gas's own motion.
+fn hold_inside(shape: &BlockShape, marks: &[u16], rates: &mut [f64]) {
+    for own in (0..shape.points).filter(|&own| marks[shape.padded_place(own)] != 0) {
+        rates.iter_mut().skip(own).step_by(shape.points).for_each(|rate| *rate = 0.0);
     }
 }
 
