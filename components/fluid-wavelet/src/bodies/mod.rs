@@ -3,4 +3,5 @@
 pub mod body_mask;
 pub mod gas_body;
 pub mod inside_points;
+pub mod momentum_loads;
 pub mod surface_loads;

@@ -1,7 +1,6 @@
 //! What the gas's motion changes at the points of a block: the compressible equations of Navier and
 //! Stokes (Goetsch 2015, Eqs. 2.1 to 2.5).
 
-use crate::bodies::gas_body::BodyLoad;
 use crate::gas::central_flux::{central_fluxes, shifted};
 use crate::gas::gas_law::{Gas, MOST_FIELDS, field_count};
 use crate::gas::shock_flux::shock_fluxes;
@@ -109,50 +108,11 @@ impl GasRoom {
     }
 }
 
-/// Momentum that goes into bodies through the faces between points in the gas and points inside.
-pub struct IntoBodies<'a> {
-    /// For each point, ghosts included, 0 in gas, or the body's number and one inside it.
-    pub marks: &'a [u16],
-    /// Place of the block's first ghost [m].
-    pub low: [f64; 3],
-    /// Centres of the bodies [m].
-    pub centres: &'a [[f64; 3]],
-    /// The loads, to which is added.
-    pub loads: &'a mut [BodyLoad],
-}
-
-impl IntoBodies<'_> {
-    /// Adds what goes through the faces across an axis above a block's own points.
-    fn add(
-        &mut self,
-        shape: &BlockShape,
-        axis: usize,
-        spacing: f64,
-        flux: impl Fn(usize, usize) -> f64,
-    ) {
-        let (from, to) = shape.own();
-        let area = spacing.powi(shape.dims as i32 - 1);
-        for row in shape.rows(from, to) {
-            for p in row..row + shape.edge[0] {
-                let [below, above] = [p, p + shape.stride[axis]].map(|p| self.marks[p]);
-                if below == above {
-                    continue;
-                }
-                let mut at: [f64; 3] = shape.at(p).map(|k| k as f64);
-                at[axis] += 0.5;
-                for (mark, sign) in [(above, area), (below, -area)] {
-                    let Some(body) = (mark as usize).checked_sub(1) else { continue };
-                    let mut force = [0.0; 3];
-                    (0..shape.dims).for_each(|a| force[a] = sign * flux(1 + a, p));
-                    let mut arm = [0.0; 3];
-                    for a in 0..shape.dims {
-                        arm[a] = self.low[a] + spacing * at[a] - self.centres[body][a];
-                    }
-                    self.loads[body].add(force, arm);
-                }
-            }
-        }
-    }
+/// Sees what goes through the faces above a block's points.
+pub trait FaceWatch {
+    /// The fluxes across an axis: `flux(field, p)` goes up the axis through the face above the point
+    /// at place `p`. It is called for what gas and pressure carry, and for friction.
+    fn see(&mut self, axis: usize, flux: &dyn Fn(usize, usize) -> f64);
 }
 
 /// What the rates of a block are found of.
@@ -171,8 +131,8 @@ pub struct RatesOfBlock<'a> {
     pub room: &'a mut GasRoom,
     /// Rates of change of its own points, which are found.
     pub rates: &'a mut [f64],
-    /// What goes into bodies, if that is asked for.
-    pub into_bodies: Option<IntoBodies<'a>>,
+    /// Who sees the fluxes, if anybody does.
+    pub watch: Option<&'a mut dyn FaceWatch>,
 }
 
 /// Finds rates, and says whether there was gas.
@@ -226,30 +186,30 @@ impl RatesOfBlock<'_> {
     /// Adds what gas and pressure carry along an axis.
     #[inline(always)]
     fn add_transport(&mut self, axis: usize, fields: &[&[f64]; MOST_FIELDS]) {
-        let Self { shape, gas, spacing, bounds, room, rates, into_bodies, .. } = self;
+        let Self { shape, gas, spacing, bounds, room, rates, watch, .. } = self;
         for (row, run) in face_rows(shape, axis, 1) {
             central_fluxes(shape, axis, room, fields[0], row, run);
             shock_fluxes((shape, gas), axis, room, fields, *bounds, (row, run));
         }
         let fluxes = &room.flux[..field_count(shape.dims)];
         add_differences(shape, rates, -1.0 / *spacing, fluxes, shape.stride[axis]);
-        if let Some(into) = into_bodies {
-            into.add(shape, axis, *spacing, |field, p| fluxes[field][p]);
+        if let Some(watch) = watch {
+            watch.see(axis, &|field, p| fluxes[field][p]);
         }
     }
 
     /// Adds what friction and conduction carry along an axis.
     #[inline(always)]
     fn add_friction(&mut self, axis: usize) {
-        let Self { shape, gas, spacing, room, rates, into_bodies, .. } = self;
+        let Self { shape, gas, spacing, room, rates, watch, .. } = self;
         tangential_slopes(shape, axis, room);
         for (row, run) in face_rows(shape, axis, 2) {
             viscous_fluxes((shape, gas), axis, *spacing, room, (row, run));
         }
         let (fluxes, stride) = (&room.flux[..field_count(shape.dims)], shape.stride[axis]);
         add_divergences(shape, rates, 1.0 / (24.0 * *spacing), fluxes, stride);
-        if let Some(into) = into_bodies {
-            into.add(shape, axis, *spacing, |field, p| -through_face(&fluxes[field], p, stride));
+        if let Some(watch) = watch {
+            watch.see(axis, &|field, p| -through_face(&fluxes[field], p, stride));
         }
     }
 }

@@ -3,8 +3,9 @@
 use crate::bodies::body_mask::{BlockPlaces, BodyMask, blocks_at_surfaces};
 use crate::bodies::gas_body::{BodyLoad, GasBody};
 use crate::bodies::inside_points::InsidePoints;
+use crate::bodies::momentum_loads::MomentumIntoBodies;
 use crate::bodies::surface_loads::add_surface_loads;
-use crate::gas::block_rates::{GasRoom, IntoBodies, NoGas, RatesOfBlock};
+use crate::gas::block_rates::{FaceWatch, GasRoom, NoGas, RatesOfBlock};
 use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
 use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
 use crate::grid::block_shape::BlockShape;
@@ -452,20 +453,24 @@ impl RatesPass<'_> {
         let near = if marks.is_some() && with_loads { bodies } else { &[] };
         let mut by_momentum = vec![BodyLoad::default(); near.len()];
         let centres: Vec<_> = near.iter().map(GasBody::centre).collect();
+        let spacing = settings.spacing(block.level);
+        let mut into_bodies = marks.filter(|_| with_loads).map(|marks| MomentumIntoBodies {
+            shape,
+            spacing,
+            marks,
+            low: places.padded_point(block, [0; 3]),
+            centres: &centres,
+            loads: &mut by_momentum,
+        });
         let of = RatesOfBlock {
             shape,
             gas,
-            spacing: settings.spacing(block.level),
+            spacing,
             bounds: [self.scales[0], pressure].map(|scale| settings.roughness * scale),
             padded: &values.padded[slot * count * shape.stored..][..count * shape.stored],
             room: &mut *room,
             rates: &mut *rates,
-            into_bodies: marks.filter(|_| with_loads).map(|marks| IntoBodies {
-                marks,
-                low: places.padded_point(block, [0; 3]),
-                centres: &centres,
-                loads: &mut by_momentum,
-            }),
+            watch: into_bodies.as_mut().map(|into| into as &mut dyn FaceWatch),
         };
         if let Err(no_gas) = of.find(self.variant) {
             return OfBlock { failed: Some(no_gas), loads: Vec::new() };
