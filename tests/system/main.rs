@@ -11,6 +11,7 @@ mod endless;
 mod examples;
 mod faults;
 mod fields;
+mod hard_spheres;
 mod inlets;
 mod memory;
 mod observers;

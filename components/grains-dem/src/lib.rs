@@ -69,7 +69,6 @@ mod forces;
 mod grains;
 mod math;
 mod neighbours;
-mod packing;
 mod polyhedra;
 mod setup;
 mod solver;

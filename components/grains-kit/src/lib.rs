@@ -2,6 +2,13 @@
 //!
 //! | room | what grains get |
 //! | --- | --- |
+//! | [`math`] | random numbers |
+//! | [`space`] | the box that wraps around, plane walls, triangles of walls, rigid bodies |
+//! | [`motion`] | motions that a scene prescribes, integrated exactly |
+//! | [`neighbours`] | linked cells in levels of sizes, pairs near each other |
+//! | [`packing`] | bodies placed at random |
+//! | [`checks`] | checks of a scene, with a problem for each fault |
+//! | [`signals`] | signals of single bodies, and which bodies have them |
 //! | [`profiles`] | tables of fraction, velocity, fluctuation, coordination and stress over the bins of a box |
 //!
 //! Nothing here knows how grains touch, or how messages travel. A profile of two made-up grains, of
@@ -37,4 +44,14 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod checks;
+pub mod math;
+pub mod motion;
+pub mod neighbours;
+pub mod packing;
 pub mod profiles;
+pub mod signals;
+pub mod space;
+
+/// A vector in the world frame.
+pub type Vec3 = nalgebra::Vector3<f64>;

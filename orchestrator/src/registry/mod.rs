@@ -67,6 +67,16 @@ pub const BUILT_IN: &[BuiltIn] = &[
         benchmarks: tremie_grains_dem::benchmarks,
     },
     BuiltIn {
+        name: "grains-hard-sphere",
+        role: Role::Grains,
+        about: "hard spheres: collisions without duration, from event to event or from step to step",
+        settings: SchemaGenerator::subschema_for::<tremie_grains_hard_sphere::Parameters>,
+        run: tremie_sdk::run::<
+            tremie_sdk::AsGrains<tremie_grains_hard_sphere::component::HardGrains>,
+        >,
+        benchmarks: tremie_grains_hard_sphere::benchmarks,
+    },
+    BuiltIn {
         name: "rubber-table",
         role: Role::Rubber,
         about: "seals of rubber by a table of force and shapes",

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Rooms from the lowest floor up.
 const FLUID: [&str; 8] =
     ["lattice", "domain", "bodies", "boundary", "gaps", "solver", "report", "fluid"];
-const GRAINS: [&str; 11] = [
+const GRAINS: [&str; 10] = [
     "math",
     "bodies",
     "contact",
@@ -16,7 +16,6 @@ const GRAINS: [&str; 11] = [
     "forces",
     "walls",
     "polyhedra",
-    "packing",
     "solver",
     "setup",
     "grains",
@@ -24,7 +23,10 @@ const GRAINS: [&str; 11] = [
 
 const KIT: [&str; 6] = ["cells", "window", "probes", "survey", "checks", "observed"];
 
-const GRAINS_KIT: [&str; 1] = ["profiles"];
+const GRAINS_KIT: [&str; 8] =
+    ["math", "space", "motion", "neighbours", "packing", "checks", "signals", "profiles"];
+
+const HARD: [&str; 6] = ["impact", "cells", "bodies", "solver", "setup", "grains"];
 
 const PARTICLES: [&str; 9] =
     ["grid", "pressure", "particles", "solids", "surface", "solver", "domain", "report", "fluid"];
@@ -35,21 +37,23 @@ const ORCHESTRATOR: [&str; 9] =
     ["registry", "terminal", "manifest", "plan", "outputs", "preflight", "run", "tools", "program"];
 
 /// The crates with rooms: their sources, and the rooms.
-const CRATES: [(&str, &[&str]); 7] = [
+const CRATES: [(&str, &[&str]); 8] = [
     ("components/fluid-kit/src", &KIT),
     ("components/grains-kit/src", &GRAINS_KIT),
     ("components/fluid-lbm/src", &FLUID),
     ("components/fluid-pic/src", &PARTICLES),
     ("components/grains-dem/src", &GRAINS),
+    ("components/grains-hard-sphere/src", &HARD),
     ("components/rubber-table/src", &RUBBER),
     ("orchestrator/src", &ORCHESTRATOR),
 ];
 
 /// Crates that only the room `registry` may name: what the program carries in itself.
-const CARRIED: [&str; 9] = [
+const CARRIED: [&str; 10] = [
     "tremie_fluid_lbm",
     "tremie_fluid_pic",
     "tremie_grains_dem",
+    "tremie_grains_hard_sphere",
     "tremie_rubber_table",
     "tremie_viewer",
     "tremie_recorder",

@@ -10,37 +10,10 @@ use crate::Vec3;
 use tremie_geometry::Share;
 use tremie_messages::scene::{BodySet, Motion, Scene};
 
+pub(crate) use tremie_grains_kit::space::rigid_body::{ALONE, BoundingSphere, Mobility, Twist};
+
 /// Previous place in memory of a body that is new.
 pub(crate) const NEW: u32 = u32::MAX;
-
-/// Marks a body that is in no clump.
-pub(crate) const ALONE: u32 = u32::MAX;
-
-/// A sphere in space, or that around a polyhedron: what the search for contacts reads.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub(crate) struct BoundingSphere {
-    /// Centre [m].
-    pub x: Vec3,
-    /// Radius [m].
-    pub radius: f64,
-}
-
-/// Velocity and angular velocity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub(crate) struct Twist {
-    /// Velocity of the centre [m/s].
-    pub v: Vec3,
-    /// Angular velocity [rad/s].
-    pub w: Vec3,
-}
-
-impl Twist {
-    pub fn zero() -> Self {
-        Self { v: Vec3::zeros(), w: Vec3::zeros() }
-    }
-}
 
 /// Force and torque about the centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,52 +27,6 @@ pub(crate) struct Wrench {
 impl Wrench {
     pub fn zero() -> Self {
         Self { force: Vec3::zeros(), torque: Vec3::zeros() }
-    }
-}
-
-/// Inverse mass and inverse inertia; both 0 for a body whose motion is given.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mobility {
-    /// `1/m` [1/kg]; of a body in a clump that of the clump.
-    pub inverse_mass: f64,
-    /// `1/(2/5 m R²)` [1/(kg·m²)]; 0 for a polyhedron, which turns by itself, and in a clump.
-    pub inverse_inertia: f64,
-    /// The clump that the body belongs to, or [`ALONE`].
-    pub clump: u32,
-}
-
-impl Mobility {
-    /// Mobility of a wall, or of a body whose motion is given.
-    pub const NONE: Self = Self { inverse_mass: 0.0, inverse_inertia: 0.0, clump: ALONE };
-
-    /// `sqrt(m*)` of a pair, where a body of given motion counts as infinitely heavy [kg^(1/2)].
-    pub fn root_reduced_mass(self, other: Self) -> f64 {
-        (1.0 / (self.inverse_mass + other.inverse_mass)).sqrt()
-    }
-
-    /// Mean of the masses of a pair, of those that forces move [kg].
-    pub fn mean_mass(self, other: Self) -> f64 {
-        match (self.is_free(), other.is_free()) {
-            (true, true) => 0.5 * (1.0 / self.inverse_mass + 1.0 / other.inverse_mass),
-            (false, true) => 1.0 / other.inverse_mass,
-            _ => 1.0 / self.inverse_mass,
-        }
-    }
-
-    /// True if forces move the body.
-    pub fn is_free(self) -> bool {
-        self.inverse_mass > 0.0
-    }
-
-    /// True if the body is part of a clump.
-    pub fn is_joined(self) -> bool {
-        self.clump != ALONE
-    }
-
-    /// True if two bodies can touch: forces move at least one, and they are not of the same clump.
-    #[inline(always)]
-    pub fn meets(self, other: Self) -> bool {
-        (self.is_free() || other.is_free()) && (self.clump != other.clump || !self.is_joined())
     }
 }
 

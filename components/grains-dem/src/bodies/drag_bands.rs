@@ -13,7 +13,7 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BLOCK, Bodies};
-use crate::math::periodic::PeriodicBox;
+use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_messages::scene::Scene;
 use tremie_team::Team;
 

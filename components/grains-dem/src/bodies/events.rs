@@ -16,7 +16,7 @@ pub(crate) fn initial(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<Bod
             motion: part.slider().map_or(BodyEvent::PRESCRIBED, |_| BodyEvent::SLIDER),
             set: 0,
             mass: part.slider().map_or(0.0, |slider| slider.mass),
-            size: [part.bounding_radius(), 0.0, 0.0],
+            size: [part.shape.bounding_radius(), 0.0, 0.0],
             table,
         });
     }

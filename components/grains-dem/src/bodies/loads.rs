@@ -5,6 +5,7 @@ use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, Wrench};
 use crate::bodies::message_order::MessageOrder;
 use crate::math::error::GrainsError;
+use tremie_grains_kit::checks::loads::LoadError;
 use tremie_messages::body::Load;
 use tremie_team::{Cut, Team};
 
@@ -25,15 +26,13 @@ pub(crate) fn take(
     sums: &mut Vec<LoadSum>,
 ) -> Result<Vec3, GrainsError> {
     let expected = roll.bodies(bodies);
-    if loads.len() != expected {
-        return Err(GrainsError::LoadCount { found: loads.len(), expected });
-    }
+    LoadError::check_count(loads, expected)?;
     sums.clear();
     sums.resize_with(loads.len().div_ceil(BLOCK), || Ok(Vec3::zeros()));
     let (slot, mobility, all) = (&bodies.slot, &bodies.mobility, &*bodies);
     team.for_each(sums, |b, sum| {
         *sum = (b * BLOCK..loads.len().min((b + 1) * BLOCK)).try_fold(Vec3::zeros(), |sum, k| {
-            check(k, &loads[k], roll.id(k, all))?;
+            LoadError::check(k, &loads[k], roll.id(k, all))?;
             let slot = roll.rank(k).map(|rank| slot[rank] as usize);
             let free = slot.is_some_and(|slot| mobility[slot].is_free());
             Ok(if free { sum + Vec3::from(loads[k].force) } else { sum })
@@ -53,15 +52,4 @@ pub(crate) fn take(
         }
     });
     Ok(force)
-}
-
-fn check(index: usize, load: &Load, expected: u64) -> Result<(), GrainsError> {
-    let found = load.id;
-    if found != expected {
-        return Err(GrainsError::LoadOrder { index, found, expected });
-    }
-    if !load.is_finite() {
-        return Err(GrainsError::LoadNotFinite { id: found });
-    }
-    Ok(())
 }

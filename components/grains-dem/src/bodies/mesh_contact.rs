@@ -17,7 +17,7 @@
 //! that they may have reached since: what is found is the same.
 
 use crate::Vec3;
-use crate::bodies::wall_triangle::{Triangle, border};
+use tremie_grains_kit::space::wall_triangle::{Triangle, border};
 
 /// A point of a wall within reach of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -250,7 +250,7 @@ fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<WallPoint>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::wall_triangle::Grooves;
+    use tremie_grains_kit::space::wall_triangle::Grooves;
 
     /// The faces z = 0 (two triangles) and x = 0 (two) of a step: concave or convex.
     fn quad(a: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [Triangle; 2] {

@@ -9,8 +9,6 @@ pub mod mesh_contact;
 pub mod message_order;
 pub mod mirrors;
 pub mod placed_parts;
-pub mod prescribed_motion;
 pub mod prescribed_spheres;
 pub mod slider;
 pub mod springs;
-pub mod wall_triangle;

@@ -4,12 +4,13 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::{Mobility, Twist, Wrench};
 use crate::bodies::mirrors;
-use crate::bodies::prescribed_motion::{Path, turn};
 use crate::bodies::slider::Slider;
 use crate::bodies::slider::{ROOM, across_mirrors};
-use crate::bodies::wall_triangle::{Grooves, Triangle};
-use crate::math::periodic::PeriodicBox;
-use tremie_geometry::{Bounds, EdgeKind, Endless, Frame, Surface, motion_problem};
+use tremie_geometry::{Bounds, Surface, motion_problem};
+use tremie_grains_kit::motion::prescribed_motion::{Path, turn};
+use tremie_grains_kit::space::part_surface::PartSurface;
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::solid_part::SolidPart;
 use tremie_messages::{
     Problem,
     body::BodyState,
@@ -25,18 +26,12 @@ enum Drive {
 
 /// A part where it is.
 pub(crate) struct PlacedPart {
-    surface: Surface,
-    cavity: bool,
-    /// By triangle.
-    grooves: Vec<Grooves>,
+    /// Its surface, where it is.
+    pub shape: PartSurface,
     drive: Drive,
-    /// Continuation of the part through periodic faces.
-    endless: Endless,
     /// Axes across which symmetry planes cut it.
     mirrors: [bool; 3],
     pub pose: Pose,
-    /// Frame of the surface: that of the pose, except along an axis on which the part is endless.
-    frame: Frame,
     /// Velocities of its reference point, the origin of its frame.
     pub twist: Twist,
     /// Upper bound of the displacement of its points since neighbours were listed [m].
@@ -83,34 +78,10 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
     if problems.is_empty() { Ok(parts) } else { Err(problems) }
 }
 
-/// Grooves of each triangle: the edges and corners that nowhere stick out towards the grains.
-fn grooves_of(surface: &Surface, cavity: bool) -> Vec<Grooves> {
-    let mesh = surface.mesh();
-    let out = if cavity { EdgeKind::Concave } else { EdgeKind::Convex };
-    // Of each corner, whether any edge there sticks out.
-    let mut corners = vec![false; mesh.vertices.len()];
-    let walls = |&(t, _): &(usize, &[u32; 3])| surface.is_wall(t as u32);
-    for (t, names) in mesh.triangles.iter().enumerate().filter(walls) {
-        for (i, kind) in surface.edge_kinds(t as u32).into_iter().enumerate() {
-            corners[names[i] as usize] |= kind == out;
-            corners[names[(i + 1) % 3] as usize] |= kind == out;
-        }
-    }
-    let of_triangle = |(t, names): (usize, &[u32; 3])| {
-        let kinds = surface.edge_kinds(t as u32);
-        let bits = (0..3).map(|i| {
-            let (edge, corner) = (kinds[i] != out, !corners[names[i] as usize]);
-            (u8::from(edge) << i) | (u8::from(corner) << (3 + i))
-        });
-        Grooves(bits.fold(0, |all, bit| all | bit))
-    };
-    mesh.triangles.iter().enumerate().map(of_triangle).collect()
-}
-
 /// Ranks parts by their boxes.
 fn give_ranks(parts: &mut [PlacedPart]) {
     let key = |part: &PlacedPart| {
-        let Bounds { min, max } = part.surface.mesh().placed(&part.pose).bounds();
+        let Bounds { min, max } = part.shape.surface().mesh().placed(&part.pose).bounds();
         [<[f64; 3]>::from(min), max.into()].concat()
     };
     let keys: Vec<Vec<f64>> = parts.iter().map(key).collect();
@@ -126,11 +97,6 @@ fn give_ranks(parts: &mut [PlacedPart]) {
 }
 
 impl PlacedPart {
-    /// Number of triangles of its surface.
-    pub fn triangles(&self) -> u64 {
-        self.surface.mesh().triangles.len() as u64
-    }
-
     fn new(part: &Part, surface: Surface, scene: &Scene) -> Self {
         let position = part.pose.position;
         let mirrors = mirrors::of_part(&scene.domain, position);
@@ -148,17 +114,11 @@ impl PlacedPart {
             Drive::Path(path) => path.twist(0.0),
             Drive::Slider(slider) => slider.twist(),
         };
-        let home = Pose { position: surface.endless().place(position).into(), ..part.pose };
-        let frame = Frame::of(&home);
         Self {
-            grooves: grooves_of(&surface, part.cavity),
-            endless: surface.endless(),
-            surface,
-            cavity: part.cavity,
+            shape: PartSurface::new(surface, part.cavity, &part.pose),
             drive,
             mirrors,
             pose: part.pose,
-            frame,
             twist,
             moved: 0.0,
             rank: 0,
@@ -168,8 +128,8 @@ impl PlacedPart {
     /// Problem of a slider's placement relative to the symmetry planes, if any.
     fn mirror_problem(&self, key: &str, part: &Part, scene: &Scene) -> Option<Problem> {
         let Motion::Slider(slider) = &part.motion else { return None };
-        let bounds = self.surface.mesh().placed(&self.pose).bounds();
-        let (domain, room) = (&scene.domain, ROOM * self.bounding_radius());
+        let bounds = self.shape.surface().mesh().placed(&self.pose).bounds();
+        let (domain, room) = (&scene.domain, ROOM * self.shape.bounding_radius());
         let across = |a: usize, side: usize| {
             let plane = [domain.min, domain.max][side][a];
             bounds.min[a] < plane - room && bounds.max[a] > plane + room
@@ -220,16 +180,6 @@ impl PlacedPart {
         }
     }
 
-    /// True if the space inside the surface is free and the space outside is solid.
-    pub fn is_cavity(&self) -> bool {
-        self.cavity
-    }
-
-    /// Radius about the reference point that holds it [m].
-    pub fn bounding_radius(&self) -> f64 {
-        self.surface.bounding_radius()
-    }
-
     /// Moves it through a substep; `finish` as for spheres. True if its reference point crossed a
     /// periodic face.
     pub fn advance(&mut self, step: &Step, bounds: &PeriodicBox) -> bool {
@@ -239,10 +189,12 @@ impl PlacedPart {
                 let way = path.travelled(step.from, step.to);
                 self.pose.orientation = turn(self.pose.orientation, way.w);
                 self.twist = path.twist(step.to);
-                let radius = self.surface.bounding_radius();
+                let radius = self.shape.bounding_radius();
                 // Along itself a straight one goes nowhere.
                 let across =
-                    Vec3::from_fn(|a, _| if self.endless.straight[a] { 0.0 } else { way.v[a] });
+                    Vec3::from_fn(
+                        |a, _| if self.shape.endless().straight[a] { 0.0 } else { way.v[a] },
+                    );
                 self.moved += across.norm_squared().sqrt() + radius * way.w.norm_squared().sqrt();
                 Vec3::from(self.pose.position) + way.v
             }
@@ -260,16 +212,8 @@ impl PlacedPart {
             slider.shift(wrapped - position);
         }
         self.pose.position = wrapped.into();
-        let home = self.endless.place(self.pose.position);
-        self.frame = Frame::of(&Pose { position: home.into(), ..self.pose });
-        (0..3).any(|a| wrapped[a] != position[a] && !self.endless.straight[a])
-    }
-
-    /// True if bodies see the part through an image displaced by `shift`. An endless part needs no
-    /// image along its endless axes.
-    #[inline]
-    pub fn is_seen(&self, shift: Vec3) -> bool {
-        (0..3).all(|a| shift[a] == 0.0 || !self.endless.axes[a])
+        self.shape.place(&self.pose);
+        (0..3).any(|a| wrapped[a] != position[a] && !self.shape.endless().straight[a])
     }
 
     /// Ends a substep: the half kick of a slider.
@@ -280,65 +224,10 @@ impl PlacedPart {
         }
     }
 
-    /// Area of its surface [m²].
-    pub fn area(&self) -> f64 {
-        self.surface.area()
-    }
-
     /// Velocity of its point at `x` [m/s].
     #[inline(always)]
     pub fn velocity_at(&self, x: Vec3) -> Vec3 {
         self.twist.v + self.twist.w.cross(&(x - Vec3::from(self.pose.position)))
-    }
-
-    /// A point of the world in the part's frame.
-    #[inline(always)]
-    pub fn to_part(&self, x: Vec3) -> Vec3 {
-        self.frame.to_part(x)
-    }
-
-    /// A direction of the part in the world.
-    #[inline(always)]
-    pub fn to_world(&self, direction: Vec3) -> Vec3 {
-        self.frame.turn_to_world(direction)
-    }
-
-    /// A triangle, in the part's frame, its normal to the side of the grains.
-    #[inline(always)]
-    pub fn triangle(&self, index: u32) -> Triangle {
-        let surface = &self.surface;
-        let normal = surface.normal(index);
-        Triangle {
-            grooves: self.grooves[index as usize],
-            corners: surface.mesh().corners(index as usize),
-            normal: if self.cavity { -normal } else { normal },
-        }
-    }
-
-    /// Puts into `out` the triangles near a sphere with its centre at `x`, in the part's frame.
-    pub fn triangles_near(&self, x: Vec3, radius: f64, out: &mut Vec<u32>) {
-        let bounds = Bounds { min: x, max: x }.grown(radius);
-        if self.surface.bounds().meets(&bounds) {
-            self.surface.triangles_near(&bounds, out);
-        } else {
-            out.clear();
-        }
-    }
-
-    /// A triangle in the world, its corners anticlockwise seen from the grains.
-    pub fn placed_triangle(&self, index: u32) -> Triangle {
-        let Triangle { mut corners, normal, .. } = self.triangle(index);
-        if self.cavity {
-            corners.swap(1, 2);
-        }
-        let place = |corner: Vec3| self.frame.to_world(corner);
-        let normal = self.to_world(normal);
-        Triangle { corners: corners.map(place), normal, grooves: Grooves::NONE }
-    }
-
-    /// True if a point of the world may be closer to the solid than `gap` [m].
-    pub fn is_near(&self, x: Vec3, gap: f64) -> bool {
-        self.cavity || self.surface.bounds().grown(gap).contains(self.to_part(x))
     }
 
     /// Pose and velocity as those of the body `id`.
@@ -351,21 +240,19 @@ impl PlacedPart {
             angular_velocity: self.twist.w.into(),
         }
     }
+}
 
-    /// Distance of a point of the world from the surface [m], negative in the solid, and the unit
-    /// vector along which it grows.
-    pub fn clearance(&self, x: Vec3) -> (f64, Vec3) {
-        let x = self.to_part(x);
-        let closest = self.surface.closest(x);
-        let sign = if self.cavity { -1.0 } else { 1.0 };
-        let away = x - closest.point;
-        let length = away.norm_squared().sqrt();
-        // On the surface itself there is no line to the closest point.
-        let direction = if length > 1e-9 * self.bounding_radius() {
-            away * (closest.distance.signum() / length)
-        } else {
-            closest.normal
-        };
-        (sign * closest.distance, self.to_world(direction * sign))
+impl SolidPart for PlacedPart {
+    fn clearance(&self, x: Vec3) -> (f64, Vec3) {
+        self.shape.clearance(x)
+    }
+
+    fn is_cavity(&self) -> bool {
+        self.shape.is_cavity()
+    }
+
+    #[inline]
+    fn is_seen(&self, shift: Vec3) -> bool {
+        self.shape.is_seen(shift)
     }
 }

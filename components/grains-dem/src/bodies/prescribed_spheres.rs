@@ -1,7 +1,7 @@
 //! Spheres whose motion is prescribed by points in time.
 
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, Twist};
-use crate::bodies::prescribed_motion::Path;
+use tremie_grains_kit::motion::prescribed_motion::Path;
 use tremie_messages::scene::{Motion, Scene};
 
 /// Paths, and the spheres that follow them.

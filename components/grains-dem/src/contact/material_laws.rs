@@ -4,8 +4,8 @@ use crate::bodies::deformable_surface::DeformableSurface;
 use crate::bodies::mirrors;
 use crate::contact::contact_law::Law;
 use crate::contact::linear_contact::LinearLaw;
-use crate::contact::plane_walls;
 use crate::contact::springs::{Reduced, RegisteredSpring};
+use tremie_grains_kit::space::plane_walls;
 use tremie_messages::scene::{Face, Motion, Scene};
 
 /// Materials of a scene by number, and the law of each pair of them.

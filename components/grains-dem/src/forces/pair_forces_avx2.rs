@@ -11,13 +11,13 @@ use crate::bodies::body_arrays::BoundingSphere;
 use crate::contact::linear_contact::{Batch, LinearLaw, Outcome};
 use crate::forces::pair_forces::Block;
 use crate::forces::register_scan::{AHEAD, ROOM, TOGETHER, scan};
-use crate::math::periodic::SELF_IMAGE;
 use crate::math::simd::avx2_quad::{QUAD, Quad, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
 use crate::math::simd::prefetch::{fetch_ahead, fetch_value};
 use crate::math::tally::{DEEP, Other};
 use crate::neighbours::neighbour_list::{ACTING, ContactState, ListedPair, TOUCHING};
 use core::arch::x86_64::*;
+use tremie_grains_kit::space::periodic::SELF_IMAGE;
 
 /// A bit in the lowest place of each byte of a word.
 const BIT_OF_EACH: u32 = 0x0101_0101;

@@ -9,13 +9,13 @@ use crate::contact::linear_contact::{Batch, LinearLaw, Outcome};
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::Block;
 use crate::forces::register_scan::{AHEAD, ROOM, TOGETHER, scan};
-use crate::math::periodic::SELF_IMAGE;
 use crate::math::simd::avx512_wide::{Wide, columns, rows, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
 use crate::math::simd::prefetch::{fetch, fetch_value};
 use crate::math::tally::{DEEP, Other};
 use crate::neighbours::neighbour_list::{ACTING, ContactState, TOUCHING};
 use core::arch::x86_64::*;
+use tremie_grains_kit::space::periodic::SELF_IMAGE;
 
 /// Entries within reach of forces, one beside the other. The bodies exist: who writes them looks,
 /// also of what stands behind the last.

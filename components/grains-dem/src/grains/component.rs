@@ -1,11 +1,8 @@
 //! The discrete elements as a component of a run.
 
-use crate::contact::plane_walls;
 use crate::grains::findings::{findings, limits};
-use crate::grains::followed::{self, Follow};
-use crate::grains::signals::{
-    BODIES, DRAG_BAND, FACE, FLUID, INLET, MOTION, OF_ALL, OUTLET, PART, PATH, SLIDER,
-};
+use crate::grains::followed::Follow;
+use crate::grains::signals::{BODIES, DRAG_BAND, FACE, INLET, OF_ALL, OUTLET, PART, SLIDER};
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
 use crate::setup::check_profiles;
@@ -13,6 +10,9 @@ use crate::setup::resolution::Resolution;
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
+use tremie_grains_kit::signals::body_signals::{FLUID, MOTION, PATH};
+use tremie_grains_kit::signals::followed;
+use tremie_grains_kit::space::plane_walls;
 use tremie_sdk::messages::frame::{ProfileBin, ProfileHeader};
 use tremie_sdk::messages::scene::{GrainProfile, Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};

@@ -1,95 +1,12 @@
-//! Bodies, clumps and parts whose motion and fluid loads are signals.
-//!
-//! Of bodies those are: the body of a set that lists one, and each clump, as long as there are no
-//! more than [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the
-//! scene asks for. Parts that move always are.
+//! Bodies, clumps and parts whose motion and fluid loads are signals, in a run.
 
 use crate::bodies::placed_parts::PlacedPart;
-use crate::grains::signals::{FLUID, MOTION};
-use crate::solver::clumps;
 use crate::solver::dem_solver::GrainsDem;
-use std::collections::BTreeSet;
-use tremie_messages::scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene};
+use tremie_grains_kit::signals::body_signals::{FLUID, MOTION};
+use tremie_grains_kit::signals::followed::{Followed, of_scene};
+use tremie_messages::scene::{Motion, Scene};
 use tremie_messages::start::signal_row::push;
 use tremie_messages::{BodyEvent, BodyState, Load};
-
-/// Largest number of single bodies and clumps that are followed without being asked for.
-pub(crate) const BY_THEMSELVES: usize = 16;
-
-/// Body or clump that is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Followed {
-    /// A body of a set, by the set's index and its place in it.
-    Body { set: usize, place: usize },
-    /// A clump, by its number.
-    Clump(usize),
-}
-
-/// Bodies and clumps that a scene follows, with their names.
-pub(crate) fn of_scene(scene: &Scene) -> Vec<(String, Followed)> {
-    let (numbers, _) = clumps::numbers(scene);
-    let asked = |name: &str| scene.followed.iter().any(|followed| followed == name);
-    let (mut singles, mut wanted) = (Vec::new(), Vec::new());
-    let mut seen = BTreeSet::new();
-    for (set, bodies) in scene.bodies.iter().enumerate() {
-        let one = |name: &str, followed: Followed| (name.to_string(), followed);
-        match (&bodies.clump, numbers[set]) {
-            (Some(name), Some(number)) => {
-                if seen.insert(number) {
-                    let to = if asked(name) { &mut wanted } else { &mut singles };
-                    to.push(one(name, Followed::Clump(number as usize)));
-                }
-            }
-            _ => {
-                let count = listed(bodies).unwrap_or(0);
-                let fed = scene.inlets.iter().any(|inlet| inlet.bodies == bodies.name);
-                if asked(&bodies.name) && count > 1 {
-                    wanted.extend((0..count).map(|place| {
-                        (format!("{}{place}", bodies.name), Followed::Body { set, place })
-                    }));
-                } else if count == 1 && (asked(&bodies.name) || !fed) {
-                    let to = if asked(&bodies.name) { &mut wanted } else { &mut singles };
-                    to.push(one(&bodies.name, Followed::Body { set, place: 0 }));
-                }
-            }
-        }
-    }
-    if singles.len() > BY_THEMSELVES {
-        singles.clear();
-    }
-    singles.extend(wanted);
-    named(scene, singles)
-}
-
-/// Number of bodies that a set lists.
-fn listed(set: &BodySet) -> Option<usize> {
-    match &set.placement {
-        Placement::Listed(list) => Some(list.len()),
-        Placement::Packed(_) => None,
-        Placement::Polyhedra(own) => match &own.placement {
-            PolyhedronPlacement::Listed(list) => Some(list.len()),
-            PolyhedronPlacement::Packed(_) => None,
-        },
-    }
-}
-
-/// With names that can be those of signals and that nobody else has.
-fn named(scene: &Scene, mut all: Vec<(String, Followed)>) -> Vec<(String, Followed)> {
-    let mut taken: BTreeSet<String> = BTreeSet::new();
-    taken.extend(scene.parts.iter().map(|part| part.name.clone()));
-    taken.extend(scene.inlets.iter().map(|inlet| inlet.name.clone()));
-    taken.extend(scene.outlets.iter().map(|outlet| outlet.name.clone()));
-    taken.extend(scene.probes.iter().map(|probe| probe.name.clone()));
-    for (name, followed) in &mut all {
-        let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-        *name = name.chars().map(plain).collect();
-        let what = if matches!(followed, Followed::Clump(_)) { "clump" } else { "body" };
-        while !taken.insert(name.clone()) {
-            *name = format!("{what}_{name}");
-        }
-    }
-    all
-}
 
 /// Bodies and clumps followed in a run, by id.
 #[derive(Clone, Debug, Default)]
@@ -190,56 +107,5 @@ impl GrainsDem {
     /// A part of the scene as it is at the end of the last substep.
     pub fn part(&self, part: usize) -> Option<BodyState> {
         self.around.parts.get(part).map(|placed: &PlacedPart| placed.state(part as u64))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use tremie_messages::scene::{Domain, Face, Sphere};
-
-    fn set(name: &str, count: usize, clump: Option<&str>) -> BodySet {
-        let sphere = |k: usize| Sphere {
-            position: [k as f64, 0.5, 0.5],
-            diameter: 0.1,
-            velocity: [0.0; 3],
-            angular_velocity: [0.0; 3],
-        };
-        BodySet {
-            name: name.into(),
-            density: 1.0,
-            material: "stone".into(),
-            motion: Motion::Free,
-            clump: clump.map(str::to_string),
-            placement: Placement::Listed((0..count).map(sphere).collect()),
-        }
-    }
-
-    fn names(bodies: Vec<BodySet>, followed: &[&str]) -> Vec<String> {
-        let followed = followed.iter().map(|name| (*name).to_string()).collect();
-        let domain = Domain::new([0.0; 3], [1.0; 3], Face::WALLS);
-        let scene = Scene { bodies, followed, ..Scene::empty(domain) };
-        of_scene(&scene).into_iter().map(|(name, _)| name).collect()
-    }
-
-    #[test]
-    fn single_bodies_and_clumps_are_followed_and_others_where_asked_for() {
-        let sets = || {
-            vec![
-                set("ball", 1, None),
-                set("sand", 3, None),
-                set("head", 1, Some("hammer")),
-                set("handle", 5, Some("hammer")),
-                set("my rock!", 1, None),
-            ]
-        };
-        assert_eq!(names(sets(), &[]), ["ball", "hammer", "my_rock_"]);
-        let asked = names(sets(), &["sand", "hammer"]);
-        assert_eq!(asked, ["ball", "my_rock_", "sand0", "sand1", "sand2", "hammer"]);
-        let many = (0..20).map(|k| set(&format!("b{k}"), 1, None)).collect();
-        assert_eq!(names(many, &["b7"]), ["b7"]);
-        // Names that are taken.
-        let twice = vec![set("a", 2, None), set("a0", 1, None)];
-        assert_eq!(names(twice, &["a"]), ["a0", "body_a0", "a1"]);
     }
 }

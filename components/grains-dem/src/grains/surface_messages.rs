@@ -4,11 +4,12 @@ use crate::Vec3;
 use crate::bodies::deformable_surface::mean_edge;
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
 use crate::bodies::placed_parts;
-use crate::contact::plane_walls;
 use crate::math::error::GrainsError;
 use crate::solver::dem_solver::GrainsDem;
 use core::ops::Range;
 use tremie_geometry::{Frame, Turned};
+use tremie_grains_kit::space::plane_walls;
+use tremie_grains_kit::space::solid_part::SolidPart;
 use tremie_sdk::messages::scene::{self, Motion, Scene};
 use tremie_sdk::messages::{self, Load, Problem, SurfaceVertex};
 
@@ -74,7 +75,7 @@ pub(crate) fn check_start(
     let depth = |&x: &[f64; 3]| {
         let x = Vec3::from(x);
         let walls = walls.iter().map(|wall| wall.offset - x.dot(&wall.normal));
-        let near = parts.iter().filter(|part| !part.moves() && part.is_near(x, 0.0));
+        let near = parts.iter().filter(|part| !part.moves() && part.shape.is_near(x, 0.0));
         walls.chain(near.map(|part| -part.clearance(x).0)).fold(0.0, f64::max)
     };
     let problem = |(k, surface): (usize, &DeformableSurface)| {

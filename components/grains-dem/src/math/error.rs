@@ -1,36 +1,14 @@
 //! Errors of a run of the grains, as they advance.
 
 use thiserror::Error;
+use tremie_grains_kit::checks::loads::LoadError;
 
 /// Why an advance stopped. The state is then that of the failing substep and not to be used.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GrainsError {
-    /// Loads do not match the bodies.
-    #[error(
-        "{found} loads for {expected} bodies: a fluid must answer each body of the state, in its order"
-    )]
-    LoadCount {
-        /// Loads received.
-        found: usize,
-        /// Bodies.
-        expected: usize,
-    },
-    /// A load names another body than the state does at the same place.
-    #[error("load {index} is for body {found}, expected body {expected}")]
-    LoadOrder {
-        /// Position in the list.
-        index: usize,
-        /// Id that the load names.
-        found: u64,
-        /// Id of the body at this position.
-        expected: u64,
-    },
-    /// A load is not a number.
-    #[error("the load on body {id} is not finite: the fluid has diverged")]
-    LoadNotFinite {
-        /// Id of the body.
-        id: u64,
-    },
+    /// Loads of the fluid do not match the bodies or are not finite.
+    #[error(transparent)]
+    Load(#[from] LoadError),
     /// Two bodies, or a body and a wall, overlap so much that the contact law means nothing.
     #[error(
         "body {id} overlaps {other} by {percent:.0} % of the smaller radius: reduce the time step, raise \

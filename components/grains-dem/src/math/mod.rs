@@ -3,9 +3,6 @@
 pub mod damping;
 pub mod debris;
 pub mod error;
-pub mod numbers;
 pub mod parameters;
-pub mod periodic;
-pub mod random;
 pub mod simd;
 pub mod tally;

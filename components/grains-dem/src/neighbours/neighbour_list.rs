@@ -23,7 +23,7 @@ pub(crate) struct ListedPair {
     /// Index of the other body.
     pub other: u32,
     /// From the lowest bit on: 9 bits for the body's place in its block, 5 for the image through
-    /// which the other is seen (see [`crate::math::periodic::image`]), 16 for the number of the
+    /// which the other is seen (see [`tremie_grains_kit::space::periodic::image`]), 16 for the number of the
     /// law.
     tags: u32,
 }

@@ -6,9 +6,9 @@ use crate::bodies::body_arrays::Bodies;
 use crate::bodies::body_arrays::SPHERE;
 use crate::contact::material_laws::Laws;
 use crate::contact::springs::Reduced;
-use crate::neighbours::cell_pairs::near;
-use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::neighbour_list::{ContactState, ListedPair, NeighbourList, Rolling};
+use tremie_grains_kit::neighbours::cell_pairs::near;
+use tremie_grains_kit::neighbours::linked_cells::LinkedCells;
 use tremie_team::{Cut, Team};
 
 /// Pairs with at least one polyhedron, as a block finds them: places in memory, and the image

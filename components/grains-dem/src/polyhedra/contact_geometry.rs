@@ -5,7 +5,7 @@ use super::{
     shape::Solid,
 };
 use crate::Vec3;
-use crate::bodies::wall_triangle::{Grooves, Triangle, closest_point};
+use tremie_grains_kit::space::wall_triangle::{Grooves, Triangle, closest_point};
 
 /// Pressure of body b, displaced by `way` from a, on a: all vectors from a's centroid.
 pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut OverlapRoom) -> Press {

@@ -15,16 +15,18 @@ use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility, Wrench};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
-use crate::bodies::wall_triangle::distance;
 use crate::contact::material_laws::Laws;
-use crate::contact::plane_walls::{Wall, WallLaws};
+use crate::contact::plane_walls::WallLaws;
 use crate::forces::pair_forces::ContactContext;
-use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Tally;
 use crate::neighbours::neighbour_list_build::SolidPair;
-use crate::neighbours::size_classes::Skins;
 use crate::walls::contact_rows::ContactRows;
 use crate::walls::part_contacts::WallId;
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls::Wall;
+use tremie_grains_kit::space::solid_part::SolidPart;
+use tremie_grains_kit::space::wall_triangle::distance;
 use tremie_team::{Cut, Team};
 
 /// Entries that are one item of work.
@@ -137,9 +139,9 @@ impl PolyContacts {
             let first = self.triangles.len() as u32;
             let reach = ball.radius + gap;
             for (image, shift) in at.bounds.numbered_images().filter(|(_, s)| part.is_seen(*s)) {
-                let x = part.to_part(ball.x + shift);
-                part.triangles_near(x, reach, &mut self.near);
-                let near = |t: &&u32| distance(x, part.triangle(**t).corners) < reach;
+                let x = part.shape.to_part(ball.x + shift);
+                part.shape.triangles_near(x, reach, &mut self.near);
+                let near = |t: &&u32| distance(x, part.shape.triangle(**t).corners) < reach;
                 let near = self.near.iter().filter(near);
                 self.triangles.extend(near.map(|&triangle| (triangle, image)));
             }

@@ -12,10 +12,10 @@ use crate::bodies::body_arrays::Wrench;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_force::{self, Contact};
 use crate::contact::contact_law::Law;
-use crate::contact::plane_walls::Wall;
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
+use tremie_grains_kit::space::plane_walls::Wall;
 
 /// Most contacts with walls and parts: directions in which they press.
 pub(super) const MOST: usize = 8;

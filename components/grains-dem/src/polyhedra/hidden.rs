@@ -9,7 +9,7 @@
 use super::{overlap_integrals::clip, shape::Solid};
 use crate::Vec3;
 use crate::bodies::mesh_contact::SAME;
-use crate::bodies::wall_triangle::Triangle;
+use tremie_grains_kit::space::wall_triangle::Triangle;
 
 /// Surfaces that are closer to each other than this, over the largest sphere in the body, coincide:
 /// more than corners of triangles are off by when a file rounds them.

@@ -9,6 +9,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BoundingSphere;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::placed_parts::PlacedPart;
+use tremie_grains_kit::space::solid_part::SolidPart;
 
 /// Overlap of two bodies [m], the second `way` from the first, by the numbers of their polyhedra;
 /// and the length that it is measured by. None without a polyhedron.
@@ -48,10 +49,10 @@ pub(crate) fn with_part(
     }
     let mut near = Vec::new();
     let reach = solid.shape.circumradius * solid.size;
-    part.triangles_near(part.to_part(x), reach, &mut near);
+    part.shape.triangles_near(part.shape.to_part(x), reach, &mut near);
     let mut press = Press::NONE;
     for triangle in near {
-        let mut triangle = part.placed_triangle(triangle);
+        let mut triangle = part.shape.placed_triangle(triangle);
         triangle.corners = triangle.corners.map(|corner| corner - x);
         contact_geometry::of_triangle(solid, &triangle, room, &mut press);
     }

@@ -16,9 +16,9 @@ use super::{
 use crate::Vec3;
 use crate::bodies::body_arrays::{Twist, Wrench};
 use crate::bodies::mesh_contact::SAME;
-use crate::bodies::wall_triangle::Triangle;
 use crate::math::tally::{Other, Tally};
 use crate::walls::part_contacts::WallId;
+use tremie_grains_kit::space::wall_triangle::Triangle;
 
 /// A wall or part near a polyhedron.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +109,7 @@ impl<'a> SurfacesBeside<'a> {
         let near = &self.around.triangles[owner.near[0] as usize..owner.near[1] as usize];
         part.into_iter().flat_map(move |part| {
             near.iter().map(move |&(triangle, image)| {
-                let mut triangle = part.placed_triangle(triangle);
+                let mut triangle = part.shape.placed_triangle(triangle);
                 let home = self.home(image);
                 triangle.corners = triangle.corners.map(|corner| corner - home);
                 triangle

@@ -1,26 +1,22 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
-use crate::Vec3;
-use crate::bodies::body_arrays::BoundingSphere;
-use crate::contact::{material_laws, plane_walls};
-use crate::math::numbers::is_positive;
+use crate::contact::material_laws;
 use crate::math::parameters::{Lubrication, Parameters};
-use crate::math::periodic::PeriodicBox;
-use crate::packing::random_packing::{self};
 use crate::setup::material_pairs::BodyStatistics;
 use crate::setup::{
-    check_clumps, check_drag_bands, check_integrator, check_law, check_packing, check_polyhedra,
-    check_ports, check_profiles, check_slider,
+    check_clumps, check_drag_bands, check_integrator, check_law, check_polyhedra, check_ports,
+    check_profiles, check_slider,
 };
-use crate::solver::overlaps::TOUCHING;
 use crate::solver::placement;
+use tremie_grains_kit::checks::numbers::{AXES, all_finite, not_positive};
+use tremie_grains_kit::checks::{check_packing, check_scene};
+use tremie_grains_kit::math::numbers::is_positive;
+use tremie_grains_kit::packing::random_packing::{self};
 use tremie_messages::{
     Problem,
-    scene::{BodySet, Domain, Motion, Placement, Plane, Scene, Sphere, TimedMotion},
+    scene::{Motion, Placement, Scene},
     units::Length,
 };
-
-pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Checks numbers and geometry, but not overlaps between bodies.
 pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
@@ -34,10 +30,10 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
         problems.push(Problem::of_parameter("lubrication", message).help(help));
     }
     let before = problems.len();
-    domain(&scene.domain, &mut problems);
+    check_scene::domain(&scene.domain, &mut problems);
     let domain_is_valid = problems.len() == before;
     for (i, p) in scene.planes.iter().enumerate() {
-        plane(&format!("scene.planes[{i}]"), p, &scene.domain, &mut problems);
+        check_scene::plane(&format!("scene.planes[{i}]"), p, &scene.domain, &mut problems);
     }
     let planes_are_valid = problems.len() == before;
     for (i, part) in scene.parts.iter().enumerate() {
@@ -58,9 +54,9 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
             Placement::Listed(list) => {
                 for (k, sphere) in list.iter().enumerate() {
                     let key = format!("{key}.placement.listed[{k}]");
-                    listed(&key, set, sphere, &mut problems);
+                    check_scene::listed(&key, set, sphere, &mut problems);
                     if domain_is_valid && planes_are_valid {
-                        inside(&key, set, sphere, scene, &mut problems);
+                        check_scene::inside(&key, set, sphere, scene, &mut problems);
                     }
                 }
             }
@@ -98,29 +94,10 @@ fn motion(key: &str, motion: &Motion, problems: &mut Vec<Problem>) {
     let points = match motion {
         Motion::Free | Motion::Fixed => return,
         Motion::Slider(slider) => return check_slider::slider(key, slider, problems),
-        Motion::Timed(timed) => return self::timed(key, timed, problems),
+        Motion::Timed(timed) => return check_scene::timed(key, timed, problems),
         Motion::Prescribed(points) => points,
     };
-    for (i, point) in points.iter().enumerate() {
-        let finite = all_finite(&point.velocity) && all_finite(&point.angular_velocity);
-        if !(finite && point.time.is_finite()) {
-            let problem = Problem::new(format!("{key}.prescribed[{i}]"), "is not finite");
-            problems.push(problem);
-        }
-        if i > 0 && point.time <= points[i - 1].time {
-            let (before, found) = (points[i - 1].time, point.time);
-            let message = format!("is {found} s, not later than the point before, {before} s");
-            problems.push(Problem::new(format!("{key}.prescribed[{i}].time"), message));
-        }
-    }
-}
-
-fn timed(key: &str, timed: &TimedMotion, problems: &mut Vec<Problem>) {
-    if !(all_finite(&timed.velocity) && all_finite(&timed.angular_velocity)) {
-        problems.push(Problem::new(format!("{key}.timed"), "is not finite"));
-    } else if let Some(flaw) = timed.course.flaw() {
-        problems.push(Problem::new(format!("{key}.timed.course"), flaw));
-    }
+    check_scene::points(key, points, problems);
 }
 
 fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
@@ -164,80 +141,6 @@ fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
 /// Fewest steps in a collision that still resolve it (Goetsch, PhD thesis, 2015, sec. 3.3).
 pub(crate) const MIN_STEPS_PER_CONTACT: f64 = 7.0;
 
-fn domain(domain: &Domain, problems: &mut Vec<Problem>) {
-    let extent = domain.size();
-    for axis in 0..3 {
-        let name = AXES[axis];
-        if !is_positive(extent[axis]) || !domain.min[axis].is_finite() {
-            let message = format!("has no extent in {name}: its size there is {} m", extent[axis]);
-            problems.push(Problem::new("scene.domain", message));
-        }
-    }
-}
-
-fn plane(key: &str, plane: &Plane, domain: &Domain, problems: &mut Vec<Problem>) {
-    let square = Vec3::from(plane.normal).norm_squared();
-    if !all_finite(&plane.point) {
-        problems.push(Problem::new(format!("{key}.point"), "is not finite"));
-    }
-    if !is_positive(square) {
-        problems.push(Problem::new(format!("{key}.normal"), "has no direction"));
-    }
-    for axis in 0..3 {
-        if domain.is_periodic(axis) && plane.normal[axis] != 0.0 {
-            let name = AXES[axis];
-            let message =
-                format!("has a component along {name}, which wraps around: the plane would not");
-            let help =
-                format!("make {name} of the normal 0, or the domain's faces in {name} walls");
-            problems.push(Problem::new(format!("{key}.normal"), message).help(help));
-        }
-    }
-}
-
-fn listed(key: &str, set: &BodySet, sphere: &Sphere, problems: &mut Vec<Problem>) {
-    if !is_positive(sphere.diameter) {
-        problems.push(not_positive(format!("{key}.diameter"), sphere.diameter));
-    }
-    for (name, vector) in [
-        ("position", &sphere.position),
-        ("velocity", &sphere.velocity),
-        ("angular_velocity", &sphere.angular_velocity),
-    ] {
-        if !all_finite(vector) {
-            problems.push(Problem::new(format!("{key}.{name}"), "is not finite"));
-        }
-    }
-    let moves = sphere.velocity != [0.0; 3] || sphere.angular_velocity != [0.0; 3];
-    if set.motion == Motion::Fixed && moves {
-        let help = "use the motion \"prescribed\" to keep a velocity";
-        let problem = Problem::new(format!("{key}.velocity"), "is that of a fixed body");
-        problems.push(problem.help(help));
-    }
-}
-
-/// The centre must lie in the domain; a free sphere as a whole on the right side of walls.
-fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &mut Vec<Problem>) {
-    let key = format!("{key}.position");
-    let ball = BoundingSphere { x: sphere.position.into(), radius: 0.5 * sphere.diameter };
-    if !PeriodicBox::new(&scene.domain).contains(ball.x) {
-        problems.push(Problem::new(key, "lies outside the domain"));
-        return;
-    }
-    if set.motion != Motion::Free {
-        return;
-    }
-    let surfaces = material_laws::surfaces(scene);
-    for (index, wall) in plane_walls::of_scene(scene).iter().enumerate() {
-        let overlap = wall.overlap(&ball);
-        if overlap > TOUCHING * ball.radius {
-            let name = &surfaces[index].name;
-            let message = format!("puts the sphere {overlap:.3e} m into {name}");
-            problems.push(Problem::new(key.as_str(), message));
-        }
-    }
-}
-
 /// Checks the scene as a whole, once its parts are valid.
 fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     // Bodies that stand still or move as prescribed meet only what is free.
@@ -273,12 +176,4 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
             problems.push(Problem::new("scene.domain", message).help(help));
         }
     }
-}
-
-pub(crate) fn all_finite(v: &[f64; 3]) -> bool {
-    v.iter().all(|x| x.is_finite())
-}
-
-pub(crate) fn not_positive(key: String, value: f64) -> Problem {
-    Problem::new(key, format!("is {value}, expected a positive number"))
 }

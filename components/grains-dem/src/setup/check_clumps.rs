@@ -1,10 +1,10 @@
 //! Checks of clumps.
 
-use crate::setup::check::AXES;
 use crate::solver::clumps::{Clumps, Misfit};
 use crate::solver::placement;
 use serde::Serialize;
 use tremie_geometry::{ClumpPiece, clump};
+use tremie_grains_kit::checks::numbers::AXES;
 use tremie_messages::{
     Problem,
     scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene},

@@ -1,7 +1,7 @@
 //! Checks of drag bands.
 
-use crate::math::numbers::is_positive;
-use crate::setup::check::{AXES, all_finite, not_positive};
+use tremie_grains_kit::checks::numbers::{AXES, all_finite, not_positive};
+use tremie_grains_kit::math::numbers::is_positive;
 use tremie_messages::{
     Problem,
     scene::{DragBand, Scene},

@@ -1,8 +1,8 @@
 //! Checks of the law of a contact.
 
 use crate::contact::springs::{Bound, RegisteredSpring};
-use crate::math::numbers::is_positive;
-use crate::setup::check::not_positive;
+use tremie_grains_kit::checks::numbers::not_positive;
+use tremie_grains_kit::math::numbers::is_positive;
 use tremie_messages::{
     Problem,
     scene::{ContactLaw, Damping, Scene},

@@ -2,12 +2,12 @@
 
 use crate::Vec3;
 use crate::contact::springs::RegisteredSpring;
-use crate::math::numbers::is_positive;
 use crate::math::parameters::Parameters;
 use crate::polyhedra::Shape;
-use crate::setup::check::{AXES, all_finite, not_positive};
-use crate::setup::check_packing;
 use tremie_geometry::Convex;
+use tremie_grains_kit::checks::check_packing;
+use tremie_grains_kit::checks::numbers::{AXES, all_finite, not_positive};
+use tremie_grains_kit::math::numbers::is_positive;
 use tremie_messages::{
     Problem,
     scene::{

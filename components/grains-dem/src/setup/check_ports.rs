@@ -2,15 +2,15 @@
 
 use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
-use crate::contact::plane_walls;
-use crate::math::numbers::is_positive;
 use crate::math::parameters::Parameters;
-use crate::math::periodic::PeriodicBox;
-use crate::packing::random_packing::{self, Feeding};
-use crate::setup::check::{self, AXES};
-use crate::setup::check_packing;
 use crate::solver::{placement, ports};
 use core::f64::consts::PI;
+use tremie_grains_kit::checks::check_packing;
+use tremie_grains_kit::checks::numbers::{AXES, not_positive};
+use tremie_grains_kit::math::numbers::is_positive;
+use tremie_grains_kit::packing::random_packing::{self, Feeding};
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls;
 use tremie_messages::{
     Problem,
     scene::{Inlet, InletVelocity, Motion, Outlet, Placement, Scene},
@@ -87,7 +87,7 @@ fn inlet(key: &str, inlet: &Inlet, scene: &Scene, problems: &mut Vec<Problem>) {
     }
     for (name, time) in [("every", inlet.every), ("until", inlet.until)] {
         if let Some(time) = time.filter(|time| !is_positive(*time)) {
-            problems.push(check::not_positive(format!("{key}.{name}"), time));
+            problems.push(not_positive(format!("{key}.{name}"), time));
         }
     }
     if inlet.tries == 0 {

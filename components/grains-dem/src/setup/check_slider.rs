@@ -1,6 +1,6 @@
 //! Checks of a slider.
 
-use crate::math::numbers::is_positive;
+use tremie_grains_kit::math::numbers::is_positive;
 use tremie_messages::{
     Problem,
     scene::{Slider, SliderSpring, Stops},

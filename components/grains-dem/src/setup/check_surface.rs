@@ -4,13 +4,13 @@ use crate::bodies::deformable_surface::{DeformableSurface, area_vectors};
 use crate::bodies::slider::unit;
 use crate::contact::contact_law::Law;
 use crate::contact::springs::Reduced;
-use crate::math::numbers::is_positive;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
 use crate::setup::check_law;
 use crate::setup::material_pairs::BodyStatistics;
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::PI;
 use tremie_geometry::{Mesh, Surface};
+use tremie_grains_kit::math::numbers::is_positive;
 use tremie_messages::{
     Problem,
     scene::{BodySet, Face, Motion, Scene, Slider},

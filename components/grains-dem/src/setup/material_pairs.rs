@@ -3,9 +3,9 @@
 use crate::contact::contact_law::Law;
 use crate::contact::material_laws::{Surface, surfaces};
 use crate::contact::springs::Reduced;
-use crate::packing::random_packing;
 use crate::solver::clumps::{self, Whole};
 use crate::solver::placement;
+use tremie_grains_kit::packing::random_packing;
 use tremie_messages::{
     Problem,
     scene::{BodySet, Face, Inlet, InletVelocity, Motion, Placement, PolyhedronPlacement, Scene},

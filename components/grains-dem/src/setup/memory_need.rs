@@ -11,11 +11,11 @@ use crate::contact::material_laws::longest_neck;
 use crate::contact::springs::Reduced;
 use crate::math::parameters::Parameters;
 use crate::neighbours::neighbour_list::{ContactState, ListedPair, Rolling};
-use crate::neighbours::size_classes::Skins;
-use crate::packing::random_packing::{self, Sizes};
 use crate::polyhedra::{self, OF_PAIR};
 use crate::solver::placement;
 use core::f64::consts::PI;
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::packing::random_packing::{self, Sizes};
 use tremie_messages::{
     body::BodyEvent,
     scene::{BodySet, BodySizes, Diameters, Inlet, Motion, Placement, Scene},

@@ -104,7 +104,7 @@ const ACCURATE_STEPS: f64 = 15.0;
 
 /// Memory of parts and profiles, of which so many bodies may be samples [bytes].
 fn beside_bodies(scene: &Scene, parts: &[PlacedPart], capacity: usize) -> u64 {
-    let triangles: u64 = parts.iter().map(PlacedPart::triangles).sum();
+    let triangles: u64 = parts.iter().map(|part| part.shape.triangles()).sum();
     triangles * OF_TRIANGLE + ProfileSampler::memory(&scene.profiles, capacity)
 }
 

@@ -73,7 +73,7 @@ pub(crate) fn stability(parts: &[PlacedPart], grains: Grains) -> [Stability; 2] 
         let Some(slider) = part.slider() else { continue };
         let [k, gamma] = slider.stiffest();
         let alone = Stability::of_mass(k, gamma, slider.mass);
-        let room = part.area() / (FRAC_PI_4 * grains.diameter * grains.diameter);
+        let room = part.shape.area() / (FRAC_PI_4 * grains.diameter * grains.diameter);
         let touching = if grains.free > 0 { (grains.free as f64).min(room) } else { 0.0 };
         let covered = slider.whole * touching * grains.stiffness;
         worst[0] = worst[0].or(alone);

@@ -16,10 +16,10 @@
 use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_law::Law;
-use crate::packing::random_packing;
 use crate::setup::material_pairs::{MaterialPair, inlet_velocity};
 use core::f64::consts::PI;
 use serde::Serialize;
+use tremie_grains_kit::packing::random_packing;
 use tremie_messages::{
     Finding,
     finding::short,
@@ -264,10 +264,10 @@ fn turning(scene: &Scene, parts: &[PlacedPart]) -> f64 {
     let of = |(part, placed): (&Part, &PlacedPart)| match &part.motion {
         Motion::Prescribed(points) => {
             let spins = points.iter().map(|point| norm(point.angular_velocity));
-            spins.fold(0.0, f64::max) * placed.bounding_radius()
+            spins.fold(0.0, f64::max) * placed.shape.bounding_radius()
         }
         Motion::Timed(timed) => {
-            norm(timed.angular_velocity) * timed.course.largest() * placed.bounding_radius()
+            norm(timed.angular_velocity) * timed.course.largest() * placed.shape.bounding_radius()
         }
         _ => 0.0,
     };

@@ -1,9 +1,9 @@
 //! Limit of the time step, in words.
 
 use crate::math::parameters::Parameters;
-use crate::packing::random_packing;
 use crate::setup::material_pairs::MaterialPair;
 use crate::setup::slider_times::SliderTimes;
+use tremie_grains_kit::packing::random_packing;
 use tremie_messages::{
     finding::short,
     scene::{BodySizes, Scene},

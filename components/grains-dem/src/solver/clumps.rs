@@ -13,7 +13,8 @@ use crate::bodies::drag_bands::BrakedClump;
 use crate::polyhedra::{Inertia, to_world, turned_axes};
 use crate::solver::force_sum::ForceSum;
 use crate::solver::integrate::AppliedForces;
-pub(crate) use assembly::{Misfit, Whole, numbers, wholes};
+pub(crate) use assembly::{Misfit, Whole, wholes};
+pub(crate) use tremie_grains_kit::signals::followed::clump_numbers as numbers;
 #[cfg(feature = "component")]
 use tremie_messages::BodyState;
 
@@ -234,7 +235,7 @@ fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::prescribed_motion::turn;
+    use tremie_grains_kit::motion::prescribed_motion::turn;
 
     #[test]
     fn the_product_of_rotations_is_one_after_the_other() {

@@ -17,7 +17,6 @@ use crate::math::error::GrainsError;
 use crate::math::parameters::{Integrator, Parameters};
 use crate::math::tally::Tally;
 use crate::neighbours::displacement::MaxDisplacement;
-use crate::neighbours::size_classes::Skins;
 use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::Clumps;
 use crate::solver::diagnostics::Diagnostics;
@@ -31,6 +30,7 @@ use crate::solver::profiles::{Profiles, SampledGrains};
 use crate::solver::substeps::Progress;
 use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
 use crate::walls::wall_forces;
+use tremie_grains_kit::neighbours::size_classes::Skins;
 use tremie_messages::{
     body::{BodyEvent, BodyState, Load},
     frame::{ProfileBin, ProfileHeader},

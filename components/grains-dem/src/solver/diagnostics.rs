@@ -8,7 +8,6 @@ use crate::bodies::slider::Slider;
 use crate::contact::contact_force::touch_of_balls;
 use crate::contact::contact_force::{Contact, ContactHistory};
 use crate::contact::contact_law::Law;
-use crate::contact::plane_walls::Wall;
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::neighbours::neighbour_list::{NeighbourList, TOUCHING};
@@ -17,6 +16,7 @@ use crate::solver::clumps::{Clump, Clumps};
 use crate::solver::neighbour_search::Contacts;
 use crate::walls::wall_forces::touch_of_wall;
 use serde::Serialize;
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_messages::scene::Domain;
 use tremie_team::{Cut, Team};
 

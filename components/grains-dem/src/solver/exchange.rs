@@ -6,11 +6,11 @@ use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{BoundingSphere, NEW, PlacedSphere, Twist};
 use crate::bodies::events;
 use crate::math::error::GrainsError;
-use crate::math::numbers::is_positive;
 use crate::math::tally::Tally;
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::integrate::StepDisplacement;
 use crate::solver::placement;
+use tremie_grains_kit::math::numbers::is_positive;
 use tremie_messages::scene::Motion;
 
 /// A free sphere that comes into a run.

@@ -13,12 +13,12 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility, Twist, Wrench};
 use crate::bodies::drag_bands::DragBands;
-use crate::math::periodic::PeriodicBox;
 use crate::math::simd::vec4::Four;
-use crate::neighbours::size_classes::Leash;
 use crate::solver::dem_solver::FluidLoads;
 use crate::solver::force_sum::ForceSum;
 use crate::solver::neighbour_search::{Contacts, Search};
+use tremie_grains_kit::neighbours::size_classes::Leash;
+use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_team::{Cut, Team, Variant, instructions::Work};
 
 /// Forces that move bodies.
@@ -140,14 +140,6 @@ impl BlockDisplacement {
         let squares = balls.iter().zip(reference).map(|(ball, x)| (ball.x - x).norm_squared());
         let due = leash.is_due(self.farthest, first, squares);
         StepDisplacement { farthest: self.farthest, crossed: self.crossed, due }
-    }
-}
-
-impl Twist {
-    #[inline(always)]
-    pub(super) fn kick(&mut self, a: &Twist, dt: f64) {
-        self.v += a.v * dt;
-        self.w += a.w * dt;
     }
 }
 

@@ -7,14 +7,15 @@ use crate::contact::contact_force::Steps;
 use crate::contact::linear_contact::LinearLaw;
 use crate::contact::lubrication::Squeeze;
 use crate::contact::material_laws::{self, Laws};
-use crate::contact::plane_walls::{self, Sliding, Wall, WallLaws};
+use crate::contact::plane_walls::{WallLaws, any_lean, laws_of_scene};
 use crate::forces::pair_forces::ContactContext;
 use crate::math::parameters::Parameters;
-use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Other;
-use crate::neighbours::size_classes::Skins;
 use crate::walls::rigid_seat_contact::Seats;
 use crate::walls::surface_contacts::SurfaceSurroundings;
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls::{self, Sliding, Wall};
 use tremie_messages::scene::Scene;
 
 /// Domain, walls, parts, and the laws between all of them and the bodies.
@@ -62,7 +63,7 @@ impl InteractionContext {
         largest: f64,
     ) -> Self {
         let mut laws = Laws::of_scene(scene, surfaces);
-        let wall_laws = plane_walls::laws_of_scene(scene, &mut laws);
+        let wall_laws = laws_of_scene(scene, &mut laws);
         let walls = plane_walls::of_scene(scene);
         let squeeze = Squeeze::of(scene, parameters);
         // Where no wall resists rolling either there is no room for its history.
@@ -76,7 +77,7 @@ impl InteractionContext {
             one_law: if plain { laws.only(&materials) } else { None },
             laws,
             ways_out: [0, 1, 2].map(|axis| [0, 1].map(|side| scene.is_way_out(axis, side))),
-            walls_lean: plane_walls::any_lean(&walls),
+            walls_lean: any_lean(&walls),
             faces: plane_walls::faces(scene).collect(),
             walls,
             seat_walls: plane_walls::without_mirrors(scene),

@@ -4,17 +4,17 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, BoundingSphere};
 use crate::bodies::placed_parts::PlacedPart;
-use crate::math::periodic::PeriodicBox;
-use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::neighbour_list::NeighbourList;
 use crate::neighbours::neighbour_list_build::{NeighbourListBuilder, PairSearch};
-use crate::neighbours::size_classes::{Leash, Skins};
 use crate::polyhedra::{self, PolyContacts, Polyhedra};
 use crate::solver::interaction_context::InteractionContext;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::part_finder;
 use crate::walls::wall_contacts::{self, WallContacts};
+use tremie_grains_kit::neighbours::linked_cells::LinkedCells;
+use tremie_grains_kit::neighbours::size_classes::{Leash, Skins};
+use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_team::{Cut, Team};
 
 /// Bodies are put in order of space at every so many lists: in between they move by a diameter or

@@ -4,21 +4,21 @@ use crate::Vec3;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility, PlacedSphere};
 use crate::bodies::placed_parts::PlacedPart;
-use crate::contact::{material_laws, plane_walls};
-use crate::math::periodic::PeriodicBox;
-use crate::neighbours::cell_pairs::CellPairs;
-use crate::neighbours::linked_cells::LinkedCells;
-use crate::neighbours::size_classes::Skins;
+use crate::contact::material_laws;
 use crate::polyhedra::{self, OverlapRoom, Polyhedra};
+use tremie_grains_kit::checks::check_scene::TOUCHING;
+use tremie_grains_kit::neighbours::cell_pairs::CellPairs;
+use tremie_grains_kit::neighbours::linked_cells::LinkedCells;
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls;
+use tremie_grains_kit::space::solid_part::SolidPart;
 use tremie_messages::scene::Motion;
 use tremie_messages::{
     Problem,
     scene::{Domain, Scene},
 };
 use tremie_team::Team;
-
-/// Overlap at the start, over the smaller radius, that passes as touching.
-pub(crate) const TOUCHING: f64 = 0.01;
 
 /// Checks that bodies overlap neither each other, unless none of two is moved by forces, nor walls
 /// and parts. Of spheres and walls the scene's own check tells.

@@ -4,14 +4,14 @@ use crate::bodies::body_arrays::PlacedSolid;
 use crate::bodies::body_arrays::{BoundingSphere, Joined, PlacedSphere, Twist};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_law::Law;
-use crate::contact::plane_walls::Wall;
-use crate::math::periodic::PeriodicBox;
-use crate::math::random::Random;
-use crate::packing::random_packing::{self, PackingSurroundings};
 use crate::polyhedra::Shape;
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::{PI, TAU};
 use tremie_geometry::{ClumpPiece, clump};
+use tremie_grains_kit::math::random::Random;
+use tremie_grains_kit::packing::random_packing::{self, PackingSurroundings};
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_messages::{
     Problem,
     scene::{BodySet, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Scene, Sphere},

@@ -6,11 +6,8 @@ mod inlet;
 use crate::Vec3;
 use crate::bodies::body_arrays::BoundingSphere;
 use crate::bodies::placed_parts::PlacedPart;
-use crate::contact::plane_walls::Wall;
 use crate::math::error::GrainsError;
 use crate::math::parameters::Parameters;
-use crate::math::periodic::PeriodicBox;
-use crate::packing::random_packing::{self, Feeding, Sizes};
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::exchange::AddedSphere;
 use crate::solver::interaction_context::InteractionContext;
@@ -18,6 +15,9 @@ use crate::solver::placement;
 use inlet::Feeder;
 pub(crate) use inlet::region;
 use serde::Serialize;
+use tremie_grains_kit::packing::random_packing::{self, Feeding, Sizes};
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_messages::scene::{Diameters, Domain, InletVelocity, Outlet, Packing, Scene};
 
 /// Totals of an inlet since the start, and its deficit.

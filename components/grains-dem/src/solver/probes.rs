@@ -11,10 +11,10 @@ mod sections;
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, take_out};
-use crate::math::periodic::PeriodicBox;
 use regions::ProbeRegion;
 use rings::Annulus;
 use sections::Section;
+use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_messages::scene::{Domain, Probe, ProbeShape, Scene};
 use tremie_team::Team;
 

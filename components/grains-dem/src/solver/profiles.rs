@@ -10,11 +10,11 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BLOCK, Bodies};
-use crate::contact::plane_walls::Wall;
 use crate::neighbours::neighbour_list::{NeighbourList, TOUCHING};
 use crate::solver::neighbour_search::Contacts;
 use crate::walls::wall_contacts::WallContacts;
 use tremie_grains_kit::profiles::{GrainSample, ProfileSampler};
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::{Domain, Scene};
 use tremie_team::{Cut, Team};

@@ -5,7 +5,6 @@ use crate::bodies::body_arrays::Wrench;
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::material_laws::Laws;
-use crate::contact::plane_walls::Wall;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::error::GrainsError;
 use crate::math::tally::Tally;
@@ -13,6 +12,7 @@ use crate::walls::contact_rows::LoadedBodies;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::reached_walls::Reached;
 use crate::walls::surface_contacts::{SurfaceContacts, SurfaceSurroundings, WallsBeside};
+use tremie_grains_kit::space::plane_walls::Wall;
 
 /// The surfaces of a run.
 #[derive(Clone, Debug, Default)]

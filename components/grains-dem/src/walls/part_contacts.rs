@@ -14,7 +14,6 @@ use crate::bodies::slider::Along;
 use crate::contact::contact_force::ContactHistory;
 use crate::contact::contact_history::WallContactHistory;
 use crate::contact::contact_law::Law;
-use crate::contact::plane_walls::Wall;
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::Tally;
@@ -24,6 +23,7 @@ use crate::walls::part_finder::{FoundParts, PartSearch, SOME};
 use crate::walls::part_forces::{NearWalls, SphereAtWalls};
 use crate::walls::reached_walls::Reached;
 use crate::walls::wall_contacts::WallContacts;
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_team::{Cut, Team};
 
 /// Part or wall near a body, by number.

@@ -7,17 +7,19 @@ use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility};
 use crate::bodies::mesh_contact::LookedFrom;
 use crate::bodies::placed_parts::PlacedPart;
-use crate::bodies::wall_triangle::distance;
 use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::material_laws::Laws;
-use crate::contact::plane_walls::{Wall, WallLaws};
+use crate::contact::plane_walls::WallLaws;
 use crate::contact::springs::Reduced;
-use crate::math::periodic::PeriodicBox;
-use crate::neighbours::size_classes::Skins;
 use crate::walls::contact_rows::FoundRows;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_contacts::{ListedWall, PartContacts, WallId};
 use crate::walls::wall_contacts::{WallContacts, WallEntry};
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_grains_kit::space::plane_walls::Wall;
+use tremie_grains_kit::space::solid_part::SolidPart;
+use tremie_grains_kit::space::wall_triangle::distance;
 
 /// Room for so many of what a block finds is there from the beginning.
 pub(crate) const SOME: usize = 128;
@@ -148,10 +150,11 @@ impl FoundParts {
     /// Adds the triangles of a part near a place, through all images.
     fn look(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
         for (image, shift) in bounds.numbered_images().filter(|(_, shift)| part.is_seen(*shift)) {
-            let x = part.to_part(x + shift);
-            part.triangles_near(x, reach, &mut self.room);
+            let x = part.shape.to_part(x + shift);
+            part.shape.triangles_near(x, reach, &mut self.room);
             // Long triangles have boxes that are near much that they are not.
-            let near = |triangle: &&u32| distance(x, part.triangle(**triangle).corners) < reach;
+            let near =
+                |triangle: &&u32| distance(x, part.shape.triangle(**triangle).corners) < reach;
             let near = self.room.iter().filter(near);
             self.triangles.extend(near.map(|&triangle| (triangle, image)));
         }

@@ -5,16 +5,16 @@ use crate::bodies::body_arrays::{BoundingSphere, Twist, Wrench};
 use crate::bodies::mesh_contact::{self, MOST, ReachedPoints, Seeker, WallPoint, WallPoints};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
-use crate::bodies::wall_triangle::Triangle;
 use crate::contact::contact_force::{self, Contact, ContactHistory};
 use crate::contact::contact_history::{Remembered, WallContactHistory};
-use crate::contact::plane_walls::Wall;
 use crate::contact::region_shares::{of_one_region, shares};
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
 use crate::walls::part_contacts::{ListedWall, PartLoad, WallId, WallVirial};
 use crate::walls::reached_walls::{Reached, is_soft, together};
 use tremie_grains_kit::profiles::add_virial;
+use tremie_grains_kit::space::plane_walls::Wall;
+use tremie_grains_kit::space::wall_triangle::Triangle;
 
 /// A body beside parts and walls.
 pub(crate) struct SphereAtWalls<'a> {
@@ -195,19 +195,20 @@ impl SphereAtWalls<'_> {
         let shift = |image: u32| self.scenery.shifts[self.image(image)];
         let triangle = |k: usize| -> Triangle {
             let (triangle, other) = triangles[k];
-            let mut triangle = part.triangle(triangle);
+            let mut triangle = part.shape.triangle(triangle);
             if other != seen {
                 // The surface as this image sees it, moved to where the first one does.
-                let apart = part.to_part(shift(seen) - shift(other)) - part.to_part(Vec3::zeros());
+                let apart = part.shape.to_part(shift(seen) - shift(other))
+                    - part.shape.to_part(Vec3::zeros());
                 triangle.corners = triangle.corners.map(|corner| corner + apart);
             }
             triangle
         };
-        let sphere = Seeker { centre: part.to_part(x + shift(seen)), radius, reach };
+        let sphere = Seeker { centre: part.shape.to_part(x + shift(seen)), radius, reach };
         let looked = (&mut near.entries[e].looked, &mut near.distances[own]);
         // As the part sees it, only the body moves.
         mesh_contact::look(sphere, 0.0, looked, triangle, |found| {
-            let normal = part.to_world(found.normal);
+            let normal = part.shape.to_world(found.normal);
             let point = normal * -found.distance;
             candidates.take(WallPoint { normal, point, owner: e as u32, rank: part.rank, ..found });
         });

@@ -8,8 +8,9 @@
 use crate::Vec3;
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, area_vectors};
 use crate::bodies::placed_parts::PlacedPart;
-use crate::bodies::wall_triangle::{Triangle, closest_point, distance};
-use crate::contact::plane_walls::Wall;
+use tremie_grains_kit::space::plane_walls::Wall;
+use tremie_grains_kit::space::solid_part::SolidPart;
+use tremie_grains_kit::space::wall_triangle::{Triangle, closest_point, distance};
 
 /// The vertices of a surface that may touch a seat.
 #[derive(Clone, Debug, Default)]
@@ -116,7 +117,9 @@ impl Seat {
                     self.list_flat(vertex, SeatPlane { normal, offset });
                 }
             }
-            for part in seats.parts.iter().filter(|part| !part.moves() && part.is_near(x, gap)) {
+            for part in
+                seats.parts.iter().filter(|part| !part.moves() && part.shape.is_near(x, gap))
+            {
                 let clearance = part.clearance(x).0;
                 if clearance >= gap {
                     continue;
@@ -124,8 +127,8 @@ impl Seat {
                 let first = self.triangles.len() as u32;
                 // Inside the solid the closest triangle may be as far away as the depth.
                 let reach = gap + (-clearance).max(0.0);
-                part.triangles_near(part.to_part(x), reach, &mut self.room);
-                let placed = self.room.iter().map(|&triangle| part.placed_triangle(triangle));
+                part.shape.triangles_near(part.shape.to_part(x), reach, &mut self.room);
+                let placed = self.room.iter().map(|&triangle| part.shape.placed_triangle(triangle));
                 let near = |triangle: &Triangle| distance(x, triangle.corners) < reach;
                 self.triangles.extend(placed.filter(near));
                 // One plane stands for triangles that all lie on it.
@@ -299,7 +302,7 @@ const TIE: f64 = 1e-9;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::wall_triangle::Grooves;
+    use tremie_grains_kit::space::wall_triangle::Grooves;
 
     fn quad(a: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [Triangle; 2] {
         let (a, u, v) = (Vec3::from(a), Vec3::from(u), Vec3::from(v));

@@ -6,7 +6,6 @@ use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Wrench};
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, mean_edge};
 use crate::bodies::mesh_contact::{self, LookedFrom, MOST, Seeker, WallPoint, WallPoints};
-use crate::bodies::wall_triangle::Triangle;
 use crate::contact::contact_force::{self, Contact, Steps};
 use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::contact_law::Law;
@@ -18,6 +17,7 @@ use crate::walls::reached_walls::{Reached, of_surface, together};
 use crate::walls::rigid_seat_contact::Seat;
 use facet_lists::Box3;
 pub(crate) use facet_lists::SurfaceSurroundings;
+use tremie_grains_kit::space::wall_triangle::Triangle;
 use tremie_team::{Variant, instructions::Work};
 
 /// A sphere near a surface.

@@ -6,11 +6,12 @@ use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility, Wrench};
 use crate::contact::contact_force::ContactHistory;
-use crate::contact::plane_walls::{Wall, WallLaws};
+use crate::contact::plane_walls::WallLaws;
 use crate::contact::springs::Reduced;
-use crate::neighbours::size_classes::Skins;
 use crate::walls::contact_rows::{ContactRows, FoundRows};
 use crate::walls::part_contacts::PartContacts;
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_team::Team;
 
 /// A possible contact with a wall.

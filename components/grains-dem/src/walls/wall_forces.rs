@@ -2,10 +2,10 @@
 
 use crate::bodies::body_arrays::{BoundingSphere, Twist, Wrench};
 use crate::contact::contact_force::{self, Contact};
-use crate::contact::plane_walls::Wall;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
 use crate::walls::wall_contacts::{WallContacts, WallEntry};
+use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_team::{Cut, Team};
 
 /// The contact of a sphere with a wall, and the distance of its point from the centre.

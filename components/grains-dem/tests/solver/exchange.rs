@@ -5,6 +5,7 @@ use tremie_geometry::Mesh;
 use tremie_grains_dem::{
     AddedSphere, DeformableSurface, GrainsDem, GrainsError, Parameters, SurfaceState,
 };
+use tremie_grains_kit::checks::loads::LoadError;
 use tremie_messages::{
     body::{BodyEvent, BodyState, Load},
     scene::{
@@ -202,9 +203,9 @@ fn loads_reach_the_bodies_they_name() {
     }
     loads[3].id = 7;
     let order = dem.advance(1, &loads);
-    assert_eq!(order, Err(GrainsError::LoadOrder { index: 3, found: 7, expected: 5 }));
+    assert_eq!(order, Err(GrainsError::Load(LoadError::Order { index: 3, found: 7, expected: 5 })));
     let count = dem.advance(1, &loads[1..]);
-    assert_eq!(count, Err(GrainsError::LoadCount { found: 4, expected: 5 }));
+    assert_eq!(count, Err(GrainsError::Load(LoadError::Count { found: 4, expected: 5 })));
 }
 
 #[test]

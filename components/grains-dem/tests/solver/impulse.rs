@@ -2,6 +2,7 @@
 
 use crate::common::*;
 use tremie_grains_dem::GrainsError;
+use tremie_grains_kit::checks::loads::LoadError;
 use tremie_messages::{
     body::Load,
     scene::{Damping, Motion},
@@ -51,7 +52,10 @@ fn loads_that_do_not_fit_are_refused() {
     let mut dem = make(&scene, 1e-6);
     let load = |id, x| Load { id, force: [x, 0.0, 0.0], torque: [0.0; 3] };
     let mut answer = |loads: &[Load]| dem.advance(1, loads).unwrap_err();
-    assert!(matches!(answer(&[load(0, 0.0); 2]), GrainsError::LoadCount { .. }));
-    assert!(matches!(answer(&[load(4, 0.0)]), GrainsError::LoadOrder { .. }));
-    assert!(matches!(answer(&[load(0, f64::NAN)]), GrainsError::LoadNotFinite { id: 0 }));
+    assert!(matches!(answer(&[load(0, 0.0); 2]), GrainsError::Load(LoadError::Count { .. })));
+    assert!(matches!(answer(&[load(4, 0.0)]), GrainsError::Load(LoadError::Order { .. })));
+    assert!(matches!(
+        answer(&[load(0, f64::NAN)]),
+        GrainsError::Load(LoadError::NotFinite { id: 0 })
+    ));
 }

@@ -7,21 +7,9 @@ use crate::bodies::body_arrays::{PlacedSphere, Twist, Wrench};
 use crate::polyhedra::{Inertia, Shape, to_world, turned_axes};
 use crate::solver::placement::{self, OF_SPHERE};
 use nalgebra::Matrix3;
-use std::collections::BTreeMap;
 use tremie_geometry::principal;
-use tremie_messages::scene::{BodySet, Scene};
-
-/// The number of the clump of each set, in the order in which sets name them, and how many there
-/// are.
-pub(crate) fn numbers(scene: &Scene) -> (Vec<Option<u32>>, usize) {
-    let mut known = BTreeMap::new();
-    let of = |set: &BodySet| {
-        let next = known.len() as u32;
-        Some(*known.entry(set.clump.clone()?).or_insert(next))
-    };
-    let numbers = scene.bodies.iter().map(of).collect();
-    (numbers, known.len())
-}
+use tremie_grains_kit::signals::followed::clump_numbers;
+use tremie_messages::scene::Scene;
 
 /// A clump as it bounds time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +25,7 @@ pub(crate) struct Whole {
 
 /// The clump of each set of a scene that is right.
 pub(crate) fn wholes(scene: &Scene) -> Vec<Option<Whole>> {
-    let (numbers, count) = numbers(scene);
+    let (numbers, count) = clump_numbers(scene);
     if count == 0 {
         return vec![None; numbers.len()];
     }
@@ -71,7 +59,7 @@ impl Clumps {
     /// their bodies.
     pub fn of_placed(scene: &Scene, placed: &[PlacedSphere]) -> Self {
         let shapes = shapes(scene);
-        let (_, count) = numbers(scene);
+        let (_, count) = clump_numbers(scene);
         let mut bodies = vec![Vec::new(); count];
         for (rank, body) in (0..).zip(placed) {
             if let Some(clump) = body.clump {

@@ -1,7 +1,7 @@
 //! The part of an inlet's region that its spheres fill.
 
 use crate::Vec3;
-use crate::packing::random_packing::{Sizes, Upstream};
+use tremie_grains_kit::packing::random_packing::{Sizes, Upstream};
 use tremie_messages::scene::Packing;
 
 /// Entry of spheres into a region, and the region's volume from there on.

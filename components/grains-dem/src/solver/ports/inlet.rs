@@ -13,12 +13,13 @@
 use super::{InletState, filled::Filled, upstream};
 use crate::Vec3;
 use crate::bodies::body_arrays::BoundingSphere;
-use crate::math::random::Random;
-use crate::packing::random_packing::{self, Feeding, Sizes, Upstream};
+use crate::bodies::placed_parts::PlacedPart;
 use crate::solver::interaction_context::InteractionContext;
 use crate::solver::placement;
 use crate::solver::probes::volume_in_box;
 use core::f64::consts::PI;
+use tremie_grains_kit::math::random::Random;
+use tremie_grains_kit::packing::random_packing::{self, Feeding, Sizes, Upstream};
 use tremie_messages::scene::{Inlet, InletVelocity, Packing, Scene};
 
 /// Steps of the grains between two insertions, unless the scene says otherwise.
@@ -120,7 +121,7 @@ impl Feeder {
     /// of places by what failed before besides.
     pub fn feed(
         &mut self,
-        around: &random_packing::PackingSurroundings<'_>,
+        around: &random_packing::PackingSurroundings<'_, PlacedPart>,
         steps: u64,
         mut next: u64,
     ) -> Vec<BoundingSphere> {
@@ -177,7 +178,7 @@ impl Feeder {
     fn volume_of(
         &self,
         ball: &BoundingSphere,
-        around: &random_packing::PackingSurroundings<'_>,
+        around: &random_packing::PackingSurroundings<'_, PlacedPart>,
     ) -> f64 {
         let (min, max) = (Vec3::from(self.region.min), Vec3::from(self.region.max));
         let images = around.bounds.images();

@@ -69,7 +69,7 @@ fn quadrant(r: f64, x: f64, y: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Random;
+    use tremie_grains_kit::math::random::Random;
 
     #[test]
     fn boxes_share_a_sphere_among_them() {

@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
-use crate::math::periodic::PeriodicBox;
+use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_team::{Cut, Team};
 
 /// A rectangle across an axis, and the spheres that have passed it.

@@ -5,13 +5,13 @@ use super::{SphereAtSurface, SurfaceContacts};
 use crate::Vec3;
 use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility};
 use crate::bodies::mesh_contact::{LookedFrom, WallPoints};
-use crate::bodies::wall_triangle::distance;
 use crate::contact::contact_history::WallContactHistory;
 use crate::contact::material_laws::Laws;
 use crate::contact::springs::Reduced;
 use crate::math::error::GrainsError;
-use crate::neighbours::size_classes::Skins;
 use crate::walls::rigid_seat_contact::Seats;
+use tremie_grains_kit::neighbours::size_classes::Skins;
+use tremie_grains_kit::space::wall_triangle::distance;
 
 /// Input of the lists of a surface: bodies, laws and seats near it.
 #[derive(Clone, Copy)]

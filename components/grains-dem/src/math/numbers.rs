@@ -1,5 +1,0 @@
-//! Checks of the numbers that a user gives.
-
-pub(crate) fn is_positive(x: f64) -> bool {
-    x > 0.0 && x.is_finite()
-}

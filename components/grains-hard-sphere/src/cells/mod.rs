@@ -1,0 +1,3 @@
+//! Linked cells whose bodies come and go one by one.
+
+pub mod body_cells;

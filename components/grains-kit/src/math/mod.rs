@@ -1,0 +1,4 @@
+//! Numbers: random ones, checks.
+
+pub mod numbers;
+pub mod random;

@@ -1,0 +1,3 @@
+//! Motions that a scene prescribes.
+
+pub mod prescribed_motion;

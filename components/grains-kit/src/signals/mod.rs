@@ -1,0 +1,4 @@
+//! Signals that grains of every kind have.
+
+pub mod body_signals;
+pub mod followed;
