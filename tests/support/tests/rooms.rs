@@ -31,17 +31,20 @@ const HARD: [&str; 6] = ["impact", "cells", "bodies", "solver", "setup", "grains
 const PARTICLES: [&str; 9] =
     ["grid", "pressure", "particles", "solids", "surface", "solver", "domain", "report", "fluid"];
 
+const WAVELET: [&str; 4] = ["grid", "gas", "bodies", "solver"];
+
 const RUBBER: [&str; 6] = ["mesh", "fem", "table", "runtime", "import", "spec"];
 
 const ORCHESTRATOR: [&str; 9] =
     ["registry", "terminal", "manifest", "plan", "outputs", "preflight", "run", "tools", "program"];
 
 /// The crates with rooms: their sources, and the rooms.
-const CRATES: [(&str, &[&str]); 8] = [
+const CRATES: [(&str, &[&str]); 9] = [
     ("components/fluid-kit/src", &KIT),
     ("components/grains-kit/src", &GRAINS_KIT),
     ("components/fluid-lbm/src", &FLUID),
     ("components/fluid-pic/src", &PARTICLES),
+    ("components/fluid-wavelet/src", &WAVELET),
     ("components/grains-dem/src", &GRAINS),
     ("components/grains-hard-sphere/src", &HARD),
     ("components/rubber-table/src", &RUBBER),

@@ -1,0 +1,53 @@
+//! A layer at the faces of the domain in which the gas relaxes to a state: what runs into it comes
+//! back neither from it nor from the face.
+
+use crate::bodies::body_mask::BlockPlaces;
+use crate::gas::gas_law::MOST_FIELDS;
+use crate::grid::block_tree::{BlockAddress, BlockDomain};
+
+/// A layer along all faces that do not wrap around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sponge {
+    /// Width [m].
+    pub width: f64,
+    /// Rate of relaxation at the face, from which it falls by its square [1/s].
+    pub rate: f64,
+    /// Fields of the state.
+    pub state: [f64; MOST_FIELDS],
+}
+
+impl Sponge {
+    /// Adds the relaxation of a block's own points to their rates.
+    pub fn add(
+        &self,
+        domain: &BlockDomain,
+        places: &BlockPlaces,
+        block: BlockAddress,
+        own: &[f64],
+        rates: &mut [f64],
+    ) {
+        let shape = &places.shape;
+        let [nx, ny, _] = shape.edge;
+        let upper: [f64; 3] = std::array::from_fn(|a| {
+            let points = domain.blocks_along(0, a) as usize * shape.edge[a];
+            places.origin[a] + places.coarsest * points as f64
+        });
+        for point in 0..shape.points {
+            let own_at = [point % nx, point / nx % ny, point / (nx * ny)];
+            let padded = std::array::from_fn(|a| own_at[a] + shape.ghosts[a]);
+            let at = places.padded_point(block, padded);
+            let mut to_face = f64::INFINITY;
+            for a in (0..shape.dims).filter(|&a| !domain.periodic[a]) {
+                to_face = to_face.min(at[a] - places.origin[a]).min(upper[a] - at[a]);
+            }
+            let inside = 1.0 - to_face / self.width;
+            if inside > 0.0 {
+                let rate = self.rate * inside * inside;
+                for field in 0..shape.dims + 2 {
+                    let k = field * shape.points + point;
+                    rates[k] -= rate * (own[k] - self.state[field]);
+                }
+            }
+        }
+    }
+}

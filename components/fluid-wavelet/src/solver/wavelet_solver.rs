@@ -1,0 +1,514 @@
+//! The solver: adaptation, ghosts, and steps of third order in time.
+
+use crate::bodies::body_mask::{BlockPlaces, BodyMask, blocks_at_surfaces};
+use crate::bodies::gas_body::{BodyLoad, GasBody};
+use crate::bodies::inside_points::InsidePoints;
+use crate::bodies::momentum_loads::MomentumIntoBodies;
+use crate::bodies::surface_loads::add_surface_loads;
+use crate::gas::block_rates::{FaceWatch, GasRoom, NoGas, RatesOfBlock};
+use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
+use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
+use crate::grid::block_shape::BlockShape;
+use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, NONE};
+use crate::grid::block_values::{BlockValues, FillRoom};
+use crate::solver::domain_faces::{DomainFace, DomainFaces};
+use crate::solver::sponge::Sponge;
+use tremie_team::{Cut, Team, Variant};
+
+/// Weights of the steps of Shu and Osher (1988): of the start, of what the step before gave, and of
+/// its rates times the time step.
+const STAGES: [[f64; 3]; 3] =
+    [[0.0, 1.0, 1.0], [0.75, 0.25, 0.25], [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]];
+
+/// How a gas is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveletSettings {
+    /// Dimensions, 1 to 3.
+    pub dims: usize,
+    /// Points of a block along each axis.
+    pub block_edge: usize,
+    /// Blocks of level 0 along each axis.
+    pub roots: [u32; 3],
+    /// Finest level.
+    pub deepest: u8,
+    /// Spacing of level 0 [m].
+    pub coarsest: f64,
+    /// Lower corner of the domain [m].
+    pub origin: [f64; 3],
+    /// Faces of the domain.
+    pub faces: DomainFaces,
+    /// Detail that is significant, as a share of each field's scale.
+    pub tolerance: f64,
+    /// Detail from which on a face is rough, as a share of each field's scale.
+    pub roughness: f64,
+    /// Steps from one adaptation to the next.
+    pub adapt_every: usize,
+    /// Way of the fastest signal in a step, in points.
+    pub courant: f64,
+    /// Layer at the faces in which what runs out dies, if any.
+    pub sponge: Option<Sponge>,
+    /// Pressure from which that on bodies counts [Pa].
+    pub rest_pressure: f64,
+    /// The gas.
+    pub gas: Gas,
+}
+
+impl WaveletSettings {
+    /// A periodic square or cube of one block, with tolerances for most purposes.
+    pub fn new(dims: usize, gas: Gas) -> Self {
+        Self {
+            dims,
+            block_edge: if dims < 3 { 16 } else { 8 },
+            roots: [1; 3],
+            deepest: 4,
+            coarsest: 1.0 / 16.0,
+            origin: [0.0; 3],
+            faces: [[DomainFace::Periodic; 2]; 3],
+            tolerance: 1e-3,
+            roughness: 5e-3,
+            adapt_every: 4,
+            courant: 0.5,
+            sponge: None,
+            rest_pressure: gas.gas_constant * gas.reference,
+            gas,
+        }
+    }
+
+    fn domain(&self) -> BlockDomain {
+        let is_periodic = |a: usize| a >= self.dims || self.faces[a][0] == DomainFace::Periodic;
+        BlockDomain {
+            shape: BlockShape::new(self.dims, self.block_edge),
+            roots: std::array::from_fn(|a| if a < self.dims { self.roots[a] } else { 1 }),
+            periodic: [0, 1, 2].map(is_periodic),
+            deepest: self.deepest,
+        }
+    }
+
+    /// Spacing of a level [m].
+    pub fn spacing(&self, level: u8) -> f64 {
+        self.coarsest * 0.5_f64.powi(i32::from(level))
+    }
+}
+
+/// Where a gas has no density or no pressure, or moves without bound.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the gas has density {density:.3e} kg/m3 and pressure {pressure:.3e} Pa at ({:.6}, {:.6}, {:.6}) m; \
+     both must be positive: a finer grid, a smaller tolerance, or shorter steps",
+    at[0], at[1], at[2]
+)]
+pub struct NoGasError {
+    /// The place [m].
+    pub at: [f64; 3],
+    /// Density there [kg/m^3].
+    pub density: f64,
+    /// Pressure there [Pa].
+    pub pressure: f64,
+}
+
+/// Loads on a body by two estimators.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TwoLoads {
+    /// By stress at the surface.
+    pub by_stress: BodyLoad,
+    /// By the momentum that goes through the faces between points outside and inside: it is what
+    /// the gas lost, but for what it has between these faces and the surface.
+    pub by_momentum: BodyLoad,
+}
+
+/// A gas on its grid.
+pub struct WaveletSolver {
+    /// How it is solved.
+    pub settings: WaveletSettings,
+    /// The blocks.
+    pub tree: BlockTree,
+    /// Fields at their points: density, momentum, energy.
+    pub values: BlockValues,
+    /// Time [s].
+    pub time: f64,
+    /// Steps made.
+    pub steps: u64,
+    /// Significant points when the grid was last adapted.
+    pub significant: u64,
+    /// Loads on the bodies in the last step.
+    pub loads: Vec<TwoLoads>,
+    mask: BodyMask,
+    inside: InsidePoints,
+    rates: Vec<f64>,
+    start: Vec<f64>,
+    scales: Vec<f64>,
+    fastest: f64,
+    marks: Vec<BlockMarks>,
+    team: Team,
+    variant: Variant,
+    fill_rooms: Vec<FillRoom>,
+    gas_rooms: Vec<GasRoom>,
+}
+
+impl WaveletSolver {
+    /// A gas that begins in the state `initial` gives at each place.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn new(
+        settings: WaveletSettings,
+        threads: usize,
+        bodies: &[impl GasBody],
+        initial: impl Fn([f64; 3]) -> GasState,
+    ) -> std::io::Result<Self> {
+        let tree = BlockTree::new(settings.domain(), []);
+        let shape = tree.domain.shape;
+        let team = Team::new("fluid-wavelet", threads)?;
+        let threads = team.threads();
+        let mut solver = Self {
+            settings,
+            values: BlockValues::new(&tree, field_count(settings.dims)),
+            tree,
+            time: 0.0,
+            steps: 0,
+            significant: 0,
+            loads: Vec::new(),
+            mask: BodyMask::default(),
+            inside: InsidePoints::default(),
+            rates: Vec::new(),
+            start: Vec::new(),
+            scales: Vec::new(),
+            fastest: 0.0,
+            marks: Vec::new(),
+            team,
+            variant: Variant::widest(),
+            fill_rooms: (0..threads).map(|_| FillRoom::new(&shape)).collect(),
+            gas_rooms: (0..threads).map(|_| GasRoom::new(&shape)).collect(),
+        };
+        // Each round may go one level deeper.
+        for _ in 0..=settings.deepest {
+            solver.set_to(&initial);
+            solver.place_bodies(bodies);
+            solver.fill();
+            if !solver.adapt(bodies) {
+                break;
+            }
+        }
+        solver.set_to(&initial);
+        solver.place_bodies(bodies);
+        solver.fill();
+        solver.find_scales();
+        Ok(solver)
+    }
+
+    /// The shape of its blocks.
+    pub fn shape(&self) -> BlockShape {
+        self.tree.domain.shape
+    }
+
+    /// Place of a point of a block, counted without ghosts [m].
+    pub fn place(&self, block: BlockAddress, at: [isize; 3]) -> [f64; 3] {
+        let (edge, spacing) = (self.shape().edge, self.settings.spacing(block.level));
+        std::array::from_fn(|a| {
+            let along = i64::from(block.at[a]) * edge[a] as i64 + at[a] as i64;
+            self.settings.origin[a] + spacing * along as f64
+        })
+    }
+
+    /// Calls `see` with the block, the place and the fields of each point of the leaves.
+    pub fn for_each_point(&self, mut see: impl FnMut(BlockAddress, [f64; 3], [f64; MOST_FIELDS])) {
+        let (shape, count) = (self.shape(), self.values.fields);
+        for &leaf in &self.tree.leaves {
+            let (leaf, block) = (leaf as usize, self.tree.blocks[leaf as usize]);
+            for point in 0..shape.points {
+                let mut fields = [0.0; MOST_FIELDS];
+                for (field, value) in fields.iter_mut().enumerate().take(count) {
+                    *value = self.values.own[(leaf * count + field) * shape.points + point];
+                }
+                see(block, self.place(block, point_at(&shape, point)), fields);
+            }
+        }
+    }
+
+    /// Points of the leaves.
+    pub fn points(&self) -> usize {
+        self.tree.leaves.len() * self.shape().points
+    }
+
+    /// Points of the leaves as a share of those of a uniform grid of the finest level.
+    pub fn share_of_full_grid(&self) -> f64 {
+        let domain = &self.tree.domain;
+        let blocks = |a: usize| f64::from(domain.blocks_along(domain.deepest, a));
+        self.tree.leaves.len() as f64 / (blocks(0) * blocks(1) * blocks(2))
+    }
+
+    /// Integral of a field over a domain that wraps around, in its unit times m^dims.
+    pub fn integral(&mut self, field: usize) -> f64 {
+        let cell = self.settings.coarsest.powi(self.settings.dims as i32);
+        cell * integral(&mut self.fill_rooms[0], &self.tree, &self.values, field)
+    }
+
+    /// Gives all points the initial state.
+    fn set_to(&mut self, initial: &impl Fn([f64; 3]) -> GasState) {
+        let (shape, count) = (self.shape(), self.values.fields);
+        for slot in 0..self.tree.blocks.len() {
+            for point in 0..shape.points {
+                let at = self.place(self.tree.blocks[slot], point_at(&shape, point));
+                let fields = self.settings.gas.fields(shape.dims, initial(at));
+                for (field, value) in fields.iter().enumerate().take(count) {
+                    self.values.own[(slot * count + field) * shape.points + point] = *value;
+                }
+            }
+        }
+    }
+
+    /// Gives parents and ghosts their values.
+    fn fill(&mut self) {
+        let Self { values, team, tree, fill_rooms, settings, .. } = self;
+        values.restrict(team, tree);
+        values.fill(team, fill_rooms, tree, &settings.faces);
+    }
+
+    /// Largest values of each field, of momentum over all components, and the fastest signal.
+    fn find_scales(&mut self) {
+        let (gas, dims) = (self.settings.gas, self.settings.dims);
+        let mut scales = vec![0.0_f64; self.values.fields];
+        let mut fastest = 0.0_f64;
+        self.for_each_point(|block, _, fields| {
+            for (scale, value) in scales.iter_mut().zip(fields) {
+                *scale = scale.max(value.abs());
+            }
+            let state = gas.state(dims, &fields);
+            let sound = gas.sound_speed(state.density, state.pressure);
+            let speed: f64 = state.velocity.iter().map(|u| u.abs() + sound).sum::<f64>()
+                - (3 - dims) as f64 * sound;
+            fastest = fastest.max(speed * f64::from(1 << block.level));
+        });
+        // Gas that hardly moves has no scale of its own.
+        let moving = (1..=dims).fold(0.0_f64, |m, a| m.max(scales[a]));
+        let sound = (scales[0] * scales[1 + dims]).sqrt();
+        scales[1..=dims].fill(moving.max(1e-2 * sound));
+        self.scales = scales;
+        self.fastest = fastest;
+    }
+
+    /// Where blocks stand.
+    pub fn places(&self) -> BlockPlaces {
+        let WaveletSettings { origin, coarsest, .. } = self.settings;
+        BlockPlaces { shape: self.shape(), origin, coarsest }
+    }
+
+    /// Finds which points are inside bodies, and gives them their values.
+    fn place_bodies(&mut self, bodies: &[impl GasBody]) {
+        let places = self.places();
+        self.mask.find(&self.tree, &places, bodies);
+        self.inside.find(&self.tree, &places, &self.mask, bodies);
+        self.extend(bodies);
+    }
+
+    /// Gives points inside bodies their values.
+    fn extend(&mut self, bodies: &[impl GasBody]) {
+        let Self { tree, values, inside, settings, .. } = self;
+        let spacing = settings.spacing(settings.deepest);
+        inside.extend((&tree.domain.shape, &settings.gas), spacing, bodies, &mut values.own);
+    }
+
+    /// Adapts the grid; true if it changed. Ghosts are filled, and are again afterwards.
+    fn adapt(&mut self, bodies: &[impl GasBody]) -> bool {
+        self.find_scales();
+        let places = self.places();
+        let Self { tree, values, team, fill_rooms, marks, scales, settings, .. } = self;
+        let thresholds: Vec<f64> = scales.iter().map(|s| settings.tolerance * s).collect();
+        let (shape, mask) = (places.shape, &self.mask);
+        let hidden = |slot: usize| mask.of(&shape, slot);
+        find_marks(team, fill_rooms, (tree, values), &thresholds, hidden, marks);
+        self.significant = marks.iter().map(|marks| u64::from(marks.significant)).sum();
+        let mut wanted = wanted_blocks(tree, marks);
+        wanted.extend(blocks_at_surfaces(&tree.domain, &places, bodies));
+        let next = BlockTree::new(tree.domain, wanted);
+        if next.blocks == tree.blocks {
+            return false;
+        }
+        *values = carry_over(team, fill_rooms, (tree, values), &next, &settings.faces);
+        *tree = next;
+        self.place_bodies(bodies);
+        self.fill();
+        true
+    }
+
+    /// The longest stable time step [s], as the last adaptation or step left the gas.
+    pub fn longest_step(&self) -> f64 {
+        let settings = &self.settings;
+        let advection = settings.courant * settings.coarsest / self.fastest;
+        let finest = settings.spacing(self.tree.levels.len() as u8 - 1);
+        let gas = &settings.gas;
+        if gas.viscosity == 0.0 {
+            return advection;
+        }
+        // Heat spreads faster than momentum by the heat ratio over Prandtl's number.
+        let hottest = self.scales[1 + settings.dims] / self.scales[0];
+        let temperature = hottest * (gas.heat_ratio - 1.0) / gas.gas_constant;
+        let spread = gas.viscosity_at(temperature.max(gas.reference)) / self.least_density();
+        let spread = spread * (gas.heat_ratio / gas.prandtl).max(4.0 / 3.0);
+        advection.min(0.4 * finest * finest / (spread * settings.dims as f64))
+    }
+
+    fn least_density(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        self.for_each_point(|_, _, fields| least = least.min(fields[0]));
+        least
+    }
+
+    /// Makes one step of a time [s], in which bodies stand where they are and move as they do.
+    ///
+    /// # Errors
+    /// If somewhere there is no density or pressure any more; the solver is then of no use.
+    pub fn step(&mut self, dt: f64, bodies: &[impl GasBody]) -> Result<(), NoGasError> {
+        if !bodies.is_empty() {
+            self.place_bodies(bodies);
+            self.fill();
+        }
+        if self.steps.is_multiple_of(self.settings.adapt_every as u64) {
+            self.adapt(bodies);
+        }
+        self.loads.clear();
+        self.loads.resize(bodies.len(), TwoLoads::default());
+        self.start.clear();
+        self.start.extend_from_slice(&self.values.own);
+        for (number, stage) in STAGES.into_iter().enumerate() {
+            self.find_rates(bodies, number == 0)?;
+            let Self { values, rates, start, team, .. } = self;
+            let pieces = (Cut::every(&mut values.own, 4096), Cut::every(rates, 4096));
+            team.for_pieces(pieces, |piece, (own, rates): (&mut [f64], &mut [f64])| {
+                let start = &start[piece * 4096..];
+                for ((own, rate), start) in own.iter_mut().zip(rates).zip(start) {
+                    *own = stage[0] * start + stage[1] * *own + stage[2] * dt * *rate;
+                }
+            });
+            if !bodies.is_empty() {
+                self.extend(bodies);
+            }
+            self.fill();
+        }
+        self.time += dt;
+        self.steps += 1;
+        self.find_scales();
+        Ok(())
+    }
+
+    /// Rates of change of the leaves' points; ghosts are filled. The loads of bodies are found if
+    /// asked for.
+    fn find_rates(&mut self, bodies: &[impl GasBody], with_loads: bool) -> Result<(), NoGasError> {
+        let length = self.values.fields * self.shape().points;
+        self.rates.resize(self.values.own.len(), 0.0);
+        let places = self.places();
+        let Self { tree, values, settings, mask, scales, rates, team, gas_rooms, .. } = self;
+        let pass =
+            RatesPass { tree, values, settings, mask, scales, variant: self.variant, places };
+        let mut found: Vec<OfBlock> = Vec::new();
+        found.resize_with(tree.blocks.len(), OfBlock::default);
+        let pieces = (Cut::every(rates, length), Cut::every(&mut found, 1));
+        team.for_pieces_with(pieces, gas_rooms, |room, slot, piece: (_, &mut [OfBlock])| {
+            piece.1[0] = pass.of_block(slot, bodies, with_loads, room, piece.0);
+        });
+        // In the order of the blocks, whichever thread found what.
+        for (slot, found) in found.into_iter().enumerate() {
+            if let Some(NoGas { at, density, pressure }) = found.failed {
+                let at = self.place(self.tree.blocks[slot], at);
+                return Err(NoGasError { at, density, pressure });
+            }
+            for (load, more) in self.loads.iter_mut().zip(found.loads) {
+                load.by_stress.add_all(more.by_stress);
+                load.by_momentum.add_all(more.by_momentum);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the rates of all blocks are found of.
+struct RatesPass<'a> {
+    tree: &'a BlockTree,
+    values: &'a BlockValues,
+    settings: &'a WaveletSettings,
+    mask: &'a BodyMask,
+    scales: &'a [f64],
+    variant: Variant,
+    places: BlockPlaces,
+}
+
+impl RatesPass<'_> {
+    /// Rates of a block's points, and its share of the loads.
+    fn of_block(
+        &self,
+        slot: usize,
+        bodies: &[impl GasBody],
+        with_loads: bool,
+        room: &mut GasRoom,
+        rates: &mut [f64],
+    ) -> OfBlock {
+        let Self { tree, values, settings, mask, places, .. } = self;
+        if tree.children[slot][0] != NONE {
+            return OfBlock::default();
+        }
+        let (shape, gas, count) = (&tree.domain.shape, &settings.gas, values.fields);
+        let block = tree.blocks[slot];
+        let pressure = (gas.heat_ratio - 1.0) * self.scales[1 + settings.dims];
+        let marks = mask.of(shape, slot);
+        let near = if marks.is_some() && with_loads { bodies } else { &[] };
+        let mut by_momentum = vec![BodyLoad::default(); near.len()];
+        let centres: Vec<_> = near.iter().map(GasBody::centre).collect();
+        let spacing = settings.spacing(block.level);
+        let mut into_bodies = marks.filter(|_| with_loads).map(|marks| MomentumIntoBodies {
+            shape,
+            spacing,
+            marks,
+            low: places.padded_point(block, [0; 3]),
+            centres: &centres,
+            loads: &mut by_momentum,
+        });
+        let of = RatesOfBlock {
+            shape,
+            gas,
+            spacing,
+            bounds: [self.scales[0], pressure].map(|scale| settings.roughness * scale),
+            padded: &values.padded[slot * count * shape.stored..][..count * shape.stored],
+            room: &mut *room,
+            rates: &mut *rates,
+            watch: into_bodies.as_mut().map(|into| into as &mut dyn FaceWatch),
+        };
+        if let Err(no_gas) = of.find(self.variant) {
+            return OfBlock { failed: Some(no_gas), loads: Vec::new() };
+        }
+        if let Some(sponge) = &settings.sponge {
+            let length = count * shape.points;
+            let own = &values.own[slot * length..][..length];
+            sponge.add(&tree.domain, places, block, own, rates);
+        }
+        if let Some(marks) = marks {
+            hold_inside(shape, marks, rates);
+        }
+        let mut by_stress = vec![BodyLoad::default(); near.len()];
+        let rest = settings.rest_pressure;
+        add_surface_loads((places, gas), block, rest, near, room, &mut by_stress);
+        let both = by_stress.into_iter().zip(by_momentum);
+        let loads = both.map(|(by_stress, by_momentum)| TwoLoads { by_stress, by_momentum });
+        OfBlock { failed: None, loads: loads.collect() }
+    }
+}
+
+/// What was found of a block besides its rates.
+#[derive(Default)]
+struct OfBlock {
+    failed: Option<NoGas>,
+    /// Of all bodies, if any come near it.
+    loads: Vec<TwoLoads>,
+}
+
+/// Points inside bodies do not change by the gas's own motion.
+fn hold_inside(shape: &BlockShape, marks: &[u16], rates: &mut [f64]) {
+    for own in (0..shape.points).filter(|&own| marks[shape.padded_place(own)] != 0) {
+        rates.iter_mut().skip(own).step_by(shape.points).for_each(|rate| *rate = 0.0);
+    }
+}
+
+/// Where a point of a block stands.
+fn point_at(shape: &BlockShape, point: usize) -> [isize; 3] {
+    let [nx, ny, _] = shape.edge;
+    [point % nx, point / nx % ny, point / (nx * ny)].map(|x| x as isize)
+}
