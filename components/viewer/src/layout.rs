@@ -1,7 +1,7 @@
 //! Layout of the views.
 
 use crate::blueprint::{Container, Part, View};
-use crate::legend::{HEIGHT, Legend, SPEED, STRAIN, WIDTH};
+use crate::legend::{HEIGHT, Legend, SOLIDS, SPEED, STRAIN, WIDTH};
 use crate::profiles::ProfileView;
 use crate::signals::Plot;
 use crate::view::{Eye, single};
@@ -45,6 +45,8 @@ pub struct Shown<'a> {
     pub streamlines: bool,
     /// True if there is rubber, coloured by strain.
     pub rubber: bool,
+    /// True if there are sheets of profiles, coloured by solid fraction.
+    pub sheets: bool,
     /// Plots of signals.
     pub plots: &'a [Plot],
     /// Simulated time that plots reach to [s]; as far as there are data, if it is not known.
@@ -55,7 +57,7 @@ pub struct Shown<'a> {
 pub fn layout(shown: &Shown<'_>) -> Container {
     let left = Container::new(ContainerKind::Vertical, "Scene")
         .with(scenes(shown), 10.0)
-        .with(legends(shown.rubber), 1.0);
+        .with(legends(shown.rubber, shown.sheets), 1.0);
     let words = [words("About this run", "about"), words("Signals", "about/signals")];
     let profiles = shown.profiles.iter().map(profile);
     let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(profiles).chain(words));
@@ -126,14 +128,18 @@ fn profile(view: &ProfileView) -> View {
     }
 }
 
-fn legends(rubber: bool) -> Part {
-    let speed = legend("Speed of bodies and fluid", SPEED);
-    if !rubber {
-        return speed.into();
-    }
-    let strain = legend("Equivalent shear strain of rubber", STRAIN);
-    let both = Container::new(ContainerKind::Horizontal, "Legends").with(speed, 1.0);
-    both.with(strain, 1.0).into()
+fn legends(rubber: bool, sheets: bool) -> Container {
+    let row = Container::new(ContainerKind::Horizontal, "Legends");
+    let views = legend_names(rubber, sheets).into_iter();
+    views.fold(row, |row, (name, scale)| row.with(legend(name, scale), 1.0))
+}
+
+/// A legend for each scale in use, with words that tell them apart.
+fn legend_names(rubber: bool, sheets: bool) -> Vec<(&'static str, Legend)> {
+    let mut all = vec![("Speed of bodies and fluid", SPEED)];
+    all.extend(rubber.then_some(("Equivalent shear strain of rubber", STRAIN)));
+    all.extend(sheets.then_some(("Solid fraction of profiles", SOLIDS)));
+    all
 }
 
 fn legend(name: &str, legend: Legend) -> View {
@@ -192,5 +198,15 @@ mod tests {
     fn a_view_of_words_shows_one_text() {
         // Rerun shows none where a view takes in the texts below as well: `about/signals` is one.
         assert_eq!(words("About this run", "about").contents, ["$origin"]);
+    }
+
+    #[test]
+    fn each_scale_has_a_legend_of_its_own() {
+        let paths = |rubber, sheets| -> Vec<_> {
+            legend_names(rubber, sheets).iter().map(|(_, legend)| legend.path).collect()
+        };
+        assert_eq!(paths(false, false), ["legend/speed"]);
+        assert_eq!(paths(false, true), ["legend/speed", "legend/solid_fraction"]);
+        assert_eq!(paths(true, false), ["legend/speed", "legend/strain"]);
     }
 }

@@ -26,6 +26,8 @@ pub struct Legend {
 pub const SPEED: Legend = Legend { path: "legend/speed", unit: " m/s" };
 /// That of equivalent shear strain.
 pub const STRAIN: Legend = Legend { path: "legend/strain", unit: "" };
+/// That of the solid fraction on sheets of profiles.
+pub const SOLIDS: Legend = Legend { path: "legend/solid_fraction", unit: "" };
 
 impl Legend {
     /// Draws the bar, once.

@@ -13,7 +13,7 @@
 //! | `scene/isosurfaces/<component>/<volume>/..` | surfaces of equal speed or pressure, where asked for | each frame |
 //! | `scene/parts/<name>` | a rigid part, half transparent where it stands still | shape static, pose where it moves |
 //! | `scene/rubber/<name>` | a deformable surface, coloured by equivalent shear strain | triangles now and then, the rest each frame |
-//! | `legend/speed`, `legend/strain` | colour scales and their numbers | when a scale changes |
+//! | `legend/speed`, `legend/strain`, `legend/solid_fraction` | colour scales and their numbers | when a scale changes |
 //! | `signals/<component>/<name>` | watched scalars, one plot per component and unit; mass flow rates of grains through sections as means since the frame before | each frame |
 //! | `log` | the run's log | each line |
 //! | `about` | domain, fluid, bodies and schedule in words | static |
@@ -25,7 +25,7 @@
 //! **Colours.** Bodies and cuts share one scale of speed from zero to a round number that never
 //! falls while a run goes on ([`scale::Scale`]); `max_speed` fixes it. Rubber has one of its own,
 //! for the equivalent shear strain ([`tremie_messages::frame::SurfaceSample::strain`]);
-//! `max_strain` fixes that.
+//! `max_strain` fixes that. Sheets of profiles have theirs, for the solid fraction.
 //!
 //! **Symmetry.** Of a domain with symmetry planes, parts and rubber are drawn only as far as the
 //! planes, and the eye looks in through the first of them: what is computed is a section.

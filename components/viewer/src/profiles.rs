@@ -1,5 +1,6 @@
 //! Profiles of grains: bars over the bins of one axis, a coloured sheet over those of two.
 
+use crate::legend;
 use crate::scale::{AIR, Map, Scale};
 use crate::view::{Eye, facing, part, single};
 use rerun::{BarChart, Color, Mesh3D, RecordingStream, RecordingStreamResult};
@@ -10,6 +11,8 @@ use tremie_messages::start::{FrameContent, FrameStream};
 
 /// Solid fraction at the end of the scale: a little above that of spheres poured at random.
 const DENSE: f64 = 0.65;
+/// Colours of sheets: not those of speeds.
+const SHEET: Map = Map::Plasma;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The profiles that are measured in a run.
@@ -63,7 +66,20 @@ impl Profiles {
         for sheet in all.iter().filter(|drawn| drawn.is_sheet()) {
             sheet.log_shape(stream)?;
         }
-        Ok(Self { all, scale: Scale::new(Map::Viridis, Some(DENSE), None) })
+        if all.iter().any(DrawnProfile::is_sheet) {
+            legend::SOLIDS.log_bar(stream, SHEET)?;
+        }
+        Ok(Self { all, scale: Scale::new(SHEET, Some(DENSE), None) })
+    }
+
+    /// True if there are sheets, which are coloured by solid fraction.
+    pub fn has_sheets(&self) -> bool {
+        self.all.iter().any(DrawnProfile::is_sheet)
+    }
+
+    /// Scale of the sheets.
+    pub fn scale(&self) -> &Scale {
+        &self.scale
     }
 
     /// Views of all; sheets are seen from the side of `towards`.
@@ -101,7 +117,7 @@ impl DrawnProfile {
             });
             return bars.into();
         }
-        let name = format!("{name}: solid fraction, 0 (dark) to {DENSE}");
+        let name = format!("{name}: solid fraction");
         let corner = self.corner([0, 0]);
         let far = |k: usize| {
             let mut counts = [0, 0];

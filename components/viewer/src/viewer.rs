@@ -106,6 +106,9 @@ impl Viewer {
             if !self.rubber.is_empty() {
                 drawn(legend::STRAIN.log_numbers(self.recording(), &self.strain))?;
             }
+            if self.profiles.has_sheets() {
+                drawn(legend::SOLIDS.log_numbers(self.recording(), self.profiles.scale()))?;
+            }
         }
         Ok(())
     }
@@ -124,6 +127,7 @@ impl Viewer {
             profiles: &profiles,
             streamlines: self.streamlines,
             rubber: !self.rubber.is_empty(),
+            sheets: self.profiles.has_sheets(),
             plots: &self.plots,
             end: self.end,
         };

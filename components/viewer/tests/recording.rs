@@ -461,6 +461,7 @@ fn profiles_are_bars_and_sheets() {
     assert_eq!(lengths(&path, sheet, "vertex_positions"), [4 * 15]);
     assert_eq!(lengths(&path, sheet, "triangle_indices"), [2 * 15]);
     assert_eq!(lengths(&path, sheet, "vertex_colors"), [4 * 15; 4]);
+    assert!(found.contains_key("/legend/solid_fraction/bar"), "sheets have a scale of their own");
 }
 
 #[test]
