@@ -36,8 +36,8 @@ fn a_suspension_settles_with_either_grains() {
 #[test]
 fn two_discs_draft_with_either_grains() {
     let run = |text: &str| -> Ran { run_text(text, &["--until", "0.2 s"]).succeeded() };
-    let [soft, hard] =
-        swapped("tests/validation/two-discs-settling/manifest.toml").map(|text| run(&text).signals());
+    let [soft, hard] = swapped("tests/validation/two-discs-settling/manifest.toml")
+        .map(|text| run(&text).signals());
     for signal in ["grains.body0_z", "grains.body1_z"] {
         let way = |of: &[f64]| of[0] - of.last().unwrap();
         let (soft, hard) = (way(&soft[signal]), way(&hard[signal]));
@@ -88,8 +88,9 @@ fn a_dry_gas_is_the_same_however_it_is_run() {
     assert!(signals["grains.collisions"].last().unwrap() > &100.0);
     let bits = |options: &[&str]| run_text(GAS, options).succeeded().signals_text();
     assert!(bits(&["--in-process"]) == once.signals_text());
-    let threads =
-        |n: &str| format!("components.grains={{ program = \"grains-hard-sphere\", threads = {n} }}");
+    let threads = |n: &str| {
+        format!("components.grains={{ program = \"grains-hard-sphere\", threads = {n} }}")
+    };
     for n in ["1", "2", "8"] {
         assert!(bits(&["--set", &threads(n)]) == once.signals_text(), "{n} threads");
     }
