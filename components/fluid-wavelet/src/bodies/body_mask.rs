@@ -2,7 +2,7 @@
 
 use crate::bodies::gas_body::GasBody;
 use crate::grid::block_shape::BlockShape;
-use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree};
+use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, spacing_of_level};
 
 /// Points on either side of a surface that are of the finest level.
 pub const BAND: f64 = 6.0;
@@ -21,7 +21,7 @@ pub struct BlockPlaces {
 impl BlockPlaces {
     /// Spacing of a level [m].
     pub fn spacing(&self, level: u8) -> f64 {
-        self.coarsest * 0.5_f64.powi(i32::from(level))
+        spacing_of_level(self.coarsest, level)
     }
 
     /// Place of a point of a block, counted from its first ghost [m].

@@ -281,7 +281,7 @@ fn beside(
     by: isize,
 ) -> Option<(usize, usize)> {
     let [nx, ny, _] = shape.edge;
-    let mut at = [own % nx, own / nx % ny, own / (nx * ny)];
+    let mut at = shape.own_at(own);
     let along = at[axis] as isize + by;
     let edge = shape.edge[axis] as isize;
     let mut step = [0, 0, 0];

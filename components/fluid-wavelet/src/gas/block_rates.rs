@@ -32,8 +32,8 @@ pub struct GasRoom {
 /// A point where the gas has no density or no pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoGas {
-    /// Point of the block along each axis; ghosts are outside the block.
-    pub at: [isize; 3],
+    /// Point of the block along each axis, counted from its first ghost.
+    pub at: [usize; 3],
     /// Density there [kg/m^3].
     pub density: f64,
     /// Pressure there [Pa].
@@ -101,10 +101,7 @@ impl GasRoom {
     fn first_without_gas(&self, shape: &BlockShape, density: &[f64]) -> NoGas {
         let holds = |p: usize| density[p] > 0.0 && self.pressure[p] > 0.0;
         let p = (0..shape.stored).find(|&p| !holds(p)).unwrap_or(0);
-        let [nx, ny, _] = shape.padded;
-        let at = [p % nx, p / nx % ny, p / (nx * ny)];
-        let at = std::array::from_fn(|a| at[a] as isize - shape.ghosts[a] as isize);
-        NoGas { at, density: density[p], pressure: self.pressure[p] }
+        NoGas { at: shape.at(p), density: density[p], pressure: self.pressure[p] }
     }
 }
 

@@ -102,8 +102,7 @@ impl FillRoom {
 fn marks_of(shape: &BlockShape, is_significant: &[bool]) -> BlockMarks {
     let mut marks = BlockMarks::default();
     for (number, _) in is_significant.iter().enumerate().filter(|(_, is)| **is) {
-        let [nx, ny, _] = shape.edge;
-        let at = [number % nx, number / nx % ny, number / (nx * ny)];
+        let at = shape.own_at(number);
         for beside in 0..27 {
             let reaches = (0..3).all(|a| match step(beside)[a] {
                 _ if a >= shape.dims => step(beside)[a] == 0,

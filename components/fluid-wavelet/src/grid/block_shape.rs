@@ -57,12 +57,24 @@ impl BlockShape {
         [place % nx, place / nx % ny, place / (nx * ny)]
     }
 
+    /// One of the block's own points, counted from the first of them.
+    #[inline]
+    pub fn own_at(&self, own: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.edge;
+        [own % nx, own / nx % ny, own / (nx * ny)]
+    }
+
+    /// The same, counted from the first ghost.
+    #[inline]
+    pub fn padded_at(&self, own: usize) -> [usize; 3] {
+        let at = self.own_at(own);
+        std::array::from_fn(|a| at[a] + self.ghosts[a])
+    }
+
     /// Place of one of the block's own points among all, ghosts included.
     #[inline]
     pub fn padded_place(&self, own: usize) -> usize {
-        let [nx, ny, _] = self.edge;
-        let at = [own % nx, own / nx % ny, own / (nx * ny)];
-        self.place(std::array::from_fn(|a| at[a] + self.ghosts[a]))
+        self.place(self.padded_at(own))
     }
 
     /// Rows along the first axis of a box of points, counted from the first ghost: the place of

@@ -10,8 +10,11 @@ use std::ops::Range;
 
 /// Where there is no block.
 pub const NONE: u32 = u32::MAX;
-/// Levels of refinement that places can be told apart in.
-pub const DEEPEST: u8 = 20;
+
+/// Spacing of the points of a level, from that of level 0 [m].
+pub fn spacing_of_level(coarsest: f64, level: u8) -> f64 {
+    coarsest * 0.5_f64.powi(i32::from(level))
+}
 
 /// Level and place of a block, in blocks of its level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

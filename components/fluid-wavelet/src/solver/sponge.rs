@@ -27,15 +27,12 @@ impl Sponge {
         rates: &mut [f64],
     ) {
         let shape = &places.shape;
-        let [nx, ny, _] = shape.edge;
         let upper: [f64; 3] = std::array::from_fn(|a| {
             let points = domain.blocks_along(0, a) as usize * shape.edge[a];
             places.origin[a] + places.coarsest * points as f64
         });
         for point in 0..shape.points {
-            let own_at = [point % nx, point / nx % ny, point / (nx * ny)];
-            let padded = std::array::from_fn(|a| own_at[a] + shape.ghosts[a]);
-            let at = places.padded_point(block, padded);
+            let at = places.padded_point(block, shape.padded_at(point));
             let mut to_face = f64::INFINITY;
             for a in (0..shape.dims).filter(|&a| !domain.periodic[a]) {
                 to_face = to_face.min(at[a] - places.origin[a]).min(upper[a] - at[a]);

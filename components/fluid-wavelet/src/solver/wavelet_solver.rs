@@ -9,7 +9,7 @@ use crate::gas::block_rates::{FaceWatch, GasRoom, NoGas, RatesOfBlock};
 use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
 use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
 use crate::grid::block_shape::BlockShape;
-use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, NONE};
+use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, NONE, spacing_of_level};
 use crate::grid::block_values::{BlockValues, FillRoom};
 use crate::solver::domain_faces::{DomainFace, DomainFaces};
 use crate::solver::sponge::Sponge;
@@ -86,7 +86,7 @@ impl WaveletSettings {
 
     /// Spacing of a level [m].
     pub fn spacing(&self, level: u8) -> f64 {
-        self.coarsest * 0.5_f64.powi(i32::from(level))
+        spacing_of_level(self.coarsest, level)
     }
 }
 
@@ -201,18 +201,9 @@ impl WaveletSolver {
         self.tree.domain.shape
     }
 
-    /// Place of a point of a block, counted without ghosts [m].
-    pub fn place(&self, block: BlockAddress, at: [isize; 3]) -> [f64; 3] {
-        let (edge, spacing) = (self.shape().edge, self.settings.spacing(block.level));
-        std::array::from_fn(|a| {
-            let along = i64::from(block.at[a]) * edge[a] as i64 + at[a] as i64;
-            self.settings.origin[a] + spacing * along as f64
-        })
-    }
-
     /// Calls `see` with the block, the place and the fields of each point of the leaves.
     pub fn for_each_point(&self, mut see: impl FnMut(BlockAddress, [f64; 3], [f64; MOST_FIELDS])) {
-        let (shape, count) = (self.shape(), self.values.fields);
+        let (shape, places, count) = (self.shape(), self.places(), self.values.fields);
         for &leaf in &self.tree.leaves {
             let (leaf, block) = (leaf as usize, self.tree.blocks[leaf as usize]);
             for point in 0..shape.points {
@@ -220,7 +211,7 @@ impl WaveletSolver {
                 for (field, value) in fields.iter_mut().enumerate().take(count) {
                     *value = self.values.own[(leaf * count + field) * shape.points + point];
                 }
-                see(block, self.place(block, point_at(&shape, point)), fields);
+                see(block, places.padded_point(block, shape.padded_at(point)), fields);
             }
         }
     }
@@ -245,10 +236,10 @@ impl WaveletSolver {
 
     /// Gives all points the initial state.
     fn set_to(&mut self, initial: &impl Fn([f64; 3]) -> GasState) {
-        let (shape, count) = (self.shape(), self.values.fields);
+        let (shape, places, count) = (self.shape(), self.places(), self.values.fields);
         for slot in 0..self.tree.blocks.len() {
             for point in 0..shape.points {
-                let at = self.place(self.tree.blocks[slot], point_at(&shape, point));
+                let at = places.padded_point(self.tree.blocks[slot], shape.padded_at(point));
                 let fields = self.settings.gas.fields(shape.dims, initial(at));
                 for (field, value) in fields.iter().enumerate().take(count) {
                     self.values.own[(slot * count + field) * shape.points + point] = *value;
@@ -327,7 +318,10 @@ impl WaveletSolver {
         *values = carry_over(team, fill_rooms, (tree, values), &next, &settings.faces);
         *tree = next;
         self.place_bodies(bodies);
-        self.fill();
+        if !bodies.is_empty() {
+            // What stands in bodies has changed since the blocks were carried over.
+            self.fill();
+        }
         true
     }
 
@@ -409,7 +403,7 @@ impl WaveletSolver {
         // In the order of the blocks, whichever thread found what.
         for (slot, found) in found.into_iter().enumerate() {
             if let Some(NoGas { at, density, pressure }) = found.failed {
-                let at = self.place(self.tree.blocks[slot], at);
+                let at = places.padded_point(self.tree.blocks[slot], at);
                 return Err(NoGasError { at, density, pressure });
             }
             for (load, more) in self.loads.iter_mut().zip(found.loads) {
@@ -505,10 +499,4 @@ fn hold_inside(shape: &BlockShape, marks: &[u16], rates: &mut [f64]) {
     for own in (0..shape.points).filter(|&own| marks[shape.padded_place(own)] != 0) {
         rates.iter_mut().skip(own).step_by(shape.points).for_each(|rate| *rate = 0.0);
     }
-}
-
-/// Where a point of a block stands.
-fn point_at(shape: &BlockShape, point: usize) -> [isize; 3] {
-    let [nx, ny, _] = shape.edge;
-    [point % nx, point / nx % ny, point / (nx * ny)].map(|x| x as isize)
 }
