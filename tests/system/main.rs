@@ -3,6 +3,7 @@
 mod alone;
 mod answers;
 mod bad_input;
+mod compressible_gas;
 mod conform;
 mod coupling;
 mod doctor;

@@ -29,6 +29,8 @@ pub fn lattice(
     document.array("pressure", 1, "Pa", nodes.iter().map(|node| node.pressure));
     document.array("fill", 1, "", nodes.iter().map(|node| node.fill));
     document.array("solid", 1, "", nodes.iter().map(|node| u8::from(node.solid != 0)));
+    document.array("density", 1, "kg/m3", nodes.iter().map(|node| node.density));
+    document.array("level", 1, "", nodes.iter().map(|node| node.level));
     document
 }
 

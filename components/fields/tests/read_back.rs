@@ -57,6 +57,8 @@ fn nodes(window: u64) -> Vec<SliceNode> {
             pressure: 1e-6 * x,
             fill: 0.5 * (k % 3) as f32,
             solid: u32::from(k.is_multiple_of(5)),
+            density: 1.2 + x,
+            level: (k % 3) as u32,
         }
     };
     (0..24).map(node).collect()
@@ -136,6 +138,10 @@ fn a_lattice_comes_back() {
         assert_eq!(file.array::<f32>("fill"), (1, fill));
         let solid = sent.iter().map(|node| node.solid as u8).collect();
         assert_eq!(file.array::<u8>("solid"), (1, solid));
+        let density = sent.iter().map(|node| node.density).collect();
+        assert_eq!(file.array::<f32>("density"), (1, density));
+        let level = sent.iter().map(|node| node.level).collect();
+        assert_eq!(file.array::<u32>("level"), (1, level));
     }
 }
 

@@ -6,6 +6,7 @@
 //! | [`survey`] | a scene in cells: solids, what moves, leaks, displaced volume |
 //! | [`checks`] | findings on what is too small for its cells |
 //! | [`probes`] | the cells that probes read, means over them, signals |
+//! | [`bodies`] | the moving bodies by their ids, and within a window |
 //! | [`observed`] | cuts and volumes for observers |
 //! | [`window`] | loads as means over substeps, loads on parts, signals of parts and walls |
 //!
@@ -37,6 +38,7 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod bodies;
 pub mod cells;
 pub mod checks;
 pub mod observed;

@@ -7,9 +7,20 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod bodies;
+mod domain;
+mod fluid;
 pub mod gas;
 pub mod grid;
+mod report;
 pub mod solver;
+
+#[cfg(feature = "component")]
+pub use fluid::{benchmark::benchmarks, component};
+
+pub use domain::parameters::{LoadName, Parameters, SpongeTable};
+pub use fluid::error::GasError;
+pub use fluid::gas_fluid::{GasFluid, GasFluidState};
+pub use report::resolution::Resolution;
 
 pub use bodies::gas_body::{Ball, BodyLoad, GasBody, HalfSpace, SurfaceHeat};
 pub use gas::gas_law::{Gas, GasState};

@@ -10,8 +10,10 @@ use tremie_messages::{BodyState, SurfaceVertex};
 const BODY: usize = 144 + 4;
 /// Bytes of a vertex of a surface: its sample.
 const VERTEX: usize = 56;
-/// Bytes of a node: its position, the node itself, and its speed.
-const NODE: usize = 12 + 24 + 4;
+/// Bytes of a node: its position, the node itself, and its speed; and those of recordings that know
+/// neither its density nor its level.
+const NODE: usize = 12 + 32 + 4;
+const NODE_WITHOUT_DENSITY: usize = 12 + 24 + 4;
 
 const BODY_FIELDS: [(&str, u32, NumericType); 22] = {
     use NumericType::{Float32, Float64, Uint32};
@@ -54,19 +56,21 @@ const VERTEX_FIELDS: [(&str, u32, NumericType); 7] = {
     ]
 };
 
-const NODE_FIELDS: [(&str, u32, NumericType); 10] = {
+const NODE_FIELDS: [(&str, u32, NumericType); 12] = {
     use NumericType::{Float32, Uint32};
     [
         ("x", 0, Float32),
         ("y", 4, Float32),
         ("z", 8, Float32),
-        ("speed", 36, Float32),
+        ("speed", 44, Float32),
         ("vx", 12, Float32),
         ("vy", 16, Float32),
         ("vz", 20, Float32),
         ("pressure", 24, Float32),
         ("fill", 28, Float32),
         ("solid", 32, Uint32),
+        ("density", 36, Float32),
+        ("level", 40, Uint32),
     ]
 };
 
@@ -180,6 +184,8 @@ pub fn encode_nodes(nanoseconds: u64, header: &SliceHeader, nodes: &[SliceNode])
         }
         data.extend(node.fill.to_le_bytes());
         data.extend(node.solid.to_le_bytes());
+        data.extend(node.density.to_le_bytes());
+        data.extend(node.level.to_le_bytes());
         data.extend((norm(node.velocity.map(f64::from)) as f32).to_le_bytes());
     }
     cloud(nanoseconds, NODE, &NODE_FIELDS, data)
@@ -187,16 +193,21 @@ pub fn encode_nodes(nanoseconds: u64, header: &SliceHeader, nodes: &[SliceNode])
 
 /// Nodes of a point cloud; `None` if it is of another layout.
 pub fn decode_nodes(cloud: &PointCloud) -> Option<Vec<SliceNode>> {
-    fits(cloud, NODE).then(|| cloud.data.chunks_exact(NODE).map(node).collect())
+    let stride = [NODE, NODE_WITHOUT_DENSITY].into_iter().find(|stride| fits(cloud, *stride))?;
+    Some(cloud.data.chunks_exact(stride).map(node).collect())
 }
 
 fn node(bytes: &[u8]) -> SliceNode {
     let f = |word: usize| f32::from_le_bytes(take(bytes, 4 * word));
+    let u = |word: usize| u32::from_le_bytes(take(bytes, 4 * word));
+    let (density, level) = if bytes.len() == NODE { (f(9), u(10)) } else { (0.0, 0) };
     SliceNode {
         velocity: [f(3), f(4), f(5)],
         pressure: f(6),
         fill: f(7),
-        solid: u32::from_le_bytes(take(bytes, 32)),
+        solid: u(8),
+        density,
+        level,
     }
 }
 

@@ -12,7 +12,7 @@
 //! | --- | --- | --- |
 //! | `/bodies/<component>` | `foxglove.PointCloud` | one point for each body: [`tremie_messages::frame::BodySample`] as it is in memory (144 bytes, little endian), then `speed` (f32) for colouring |
 //! | `/surfaces/<component>` | `foxglove.PointCloud` | one point for each vertex of the deformable surfaces: [`tremie_messages::frame::SurfaceSample`] as it is in memory (56 bytes) |
-//! | `/cuts/<component>/<name>` | `foxglove.PointCloud` | one point for each node: `x`, `y`, `z` (f32), [`tremie_messages::frame::SliceNode`] as it is in memory (24 bytes), then `speed` (f32) |
+//! | `/cuts/<component>/<name>` | `foxglove.PointCloud` | one point for each node: `x`, `y`, `z` (f32), [`tremie_messages::frame::SliceNode`] as it is in memory (32 bytes), then `speed` (f32) |
 //! | `/signals/<component>` | `tremie.signals.<component>` | one `double` field for each signal, by its name; units in the channel's metadata |
 //! | `/log` | `foxglove.Log` | lines of the log |
 //! | `/frames` | `tremie.Frame` | before each of the messages above: its topic, stamp and exact time; of a cut, its exact grid; of a line, its level |

@@ -89,6 +89,8 @@ fn slice(window: u64, count: [u64; 2]) -> Item {
         pressure: x() as f32,
         fill: 0.25 * (k % 4) as f32,
         solid: u32::from(k % 5 == 0),
+        density: 1.0 + k as f32,
+        level: (k % 7) as u32,
     };
     let nodes = (0..count[0] * count[1]).map(node).collect();
     Item::Slice { from: "fluid".into(), name: "mid/plane".into(), at, header, nodes }

@@ -19,14 +19,15 @@ pub struct Cut {
 
 /// Geometry of a cut; frames of equal shape differ in colours alone.
 #[derive(Clone, Copy, PartialEq)]
-struct Shape {
+pub struct Shape {
     origin: Vec3,
     step: [Vec3; 2],
     count: [usize; 2],
 }
 
 impl Shape {
-    fn new(header: &SliceHeader) -> Self {
+    /// Of a frame.
+    pub fn new(header: &SliceHeader) -> Self {
         Self {
             origin: header.origin.into(),
             step: header.step.map(Vec3::from),
@@ -49,6 +50,20 @@ impl Shape {
             })
         });
         all.filter(|corners| corners.iter().all(|k| inside(self.node(*k as usize)))).collect()
+    }
+
+    /// Draws it, without colours, as far as it lies in the domain.
+    pub fn log(
+        &self,
+        stream: &RecordingStream,
+        path: &str,
+        domain: &Domain,
+    ) -> RecordingStreamResult<()> {
+        let nodes = (0..self.count[0] * self.count[1]).map(|k| single(self.node(k)));
+        let mesh = Mesh3D::update_fields()
+            .with_vertex_positions(nodes)
+            .with_triangle_indices(self.triangles(|point| inside(domain, point)));
+        stream.log_static(path, &mesh)
     }
 
     /// Nodes that carry an arrow: about `wanted` on a grid of equal spacing both ways; and that
@@ -115,11 +130,7 @@ impl Cut {
         domain: &Domain,
     ) -> RecordingStreamResult<()> {
         let shape = &self.shape;
-        let nodes = (0..shape.count[0] * shape.count[1]).map(|k| single(shape.node(k)));
-        let mesh = Mesh3D::update_fields()
-            .with_vertex_positions(nodes)
-            .with_triangle_indices(shape.triangles(|point| inside(domain, point)));
-        stream.log_static(self.path.as_str(), &mesh)?;
+        shape.log(stream, &self.path, domain)?;
         let arrows = Arrows3D::update_fields()
             .with_origins(self.arrows.iter().map(|k| single(shape.node(*k) + self.lift(eye))))
             .with_radii([Radius::new_ui_points(0.7)])

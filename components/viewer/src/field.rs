@@ -19,6 +19,10 @@ pub struct Sample {
     pub velocity: Vec3,
     /// Gauge pressure [Pa].
     pub pressure: f64,
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Level of refinement of the nearest node.
+    pub level: u32,
 }
 
 impl<'a> Field<'a> {
@@ -69,7 +73,7 @@ impl<'a> Field<'a> {
         if !self.nearest(low, part).is_fluid() {
             return None;
         }
-        Some(self.mix(low, part))
+        Some(Sample { level: self.nearest(low, part).level, ..self.mix(low, part) })
     }
 
     /// True if a point is in the field, and neither in the fluid nor in a solid.
@@ -101,7 +105,7 @@ impl<'a> Field<'a> {
     }
 
     fn mix(&self, low: [usize; 3], part: [f64; 3]) -> Sample {
-        let mut sum = Sample { velocity: Vec3::zeros(), pressure: 0.0 };
+        let mut sum = Sample { velocity: Vec3::zeros(), pressure: 0.0, density: 0.0, level: 0 };
         let mut whole = 0.0;
         for corner in 0..8_usize {
             let upper = |a: usize| corner >> a & 1;
@@ -115,9 +119,15 @@ impl<'a> Field<'a> {
                 whole += weight;
                 sum.velocity += Vec3::from(node.velocity.map(f64::from)) * weight;
                 sum.pressure += weight * f64::from(node.pressure);
+                sum.density += weight * f64::from(node.density);
             }
         }
-        Sample { velocity: sum.velocity / whole, pressure: sum.pressure / whole }
+        Sample {
+            velocity: sum.velocity / whole,
+            pressure: sum.pressure / whole,
+            density: sum.density / whole,
+            level: 0,
+        }
     }
 }
 
@@ -148,7 +158,7 @@ pub(crate) mod tests {
             velocity: crate::view::single(linear(p)),
             pressure: p[2] as f32,
             fill: 1.0,
-            solid: 0,
+            ..SliceNode::default()
         });
         let field = Field::new(&header, &nodes).unwrap();
         for p in [[0.5, 0.5, 0.5], [1.3, 2.9, 4.4], [3.5, 4.5, 5.5], [2.0, 1.0, 3.25]] {
@@ -171,6 +181,7 @@ pub(crate) mod tests {
             pressure: 0.0,
             fill: 1.0,
             solid: u32::from(p[0] > 1.0 && p[0] < 2.0),
+            ..SliceNode::default()
         });
         let field = Field::new(&header, &nodes).unwrap();
         assert!(field.at(Vec3::new(1.5, 1.0, 0.5)).is_none());

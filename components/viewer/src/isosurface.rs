@@ -196,7 +196,7 @@ mod tests {
             velocity: [(10.0 - r).max(0.0) as f32, 0.0, 0.0],
             pressure: -r as f32,
             fill: 1.0,
-            solid: 0,
+            ..SliceNode::default()
         }
     }
 
@@ -223,7 +223,7 @@ mod tests {
         let (header, nodes) = volume([20; 3], |p| {
             let solid = p.add_scalar(-10.0).norm() < 2.5;
             let velocity = if solid { [0.0; 3] } else { [5.0, 0.0, 0.0] };
-            SliceNode { velocity, pressure: 0.0, fill: 1.0, solid: solid.into() }
+            SliceNode { velocity, fill: 1.0, solid: solid.into(), ..SliceNode::default() }
         });
         let field = Field::new(&header, &nodes).unwrap();
         let mut surface = Isosurface::new("fluid", "lattice", Level::Speed(4.0));

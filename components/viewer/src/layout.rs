@@ -33,12 +33,24 @@ pub struct CutView {
     pub eye: Eye,
 }
 
+/// A cut that a quantity colours, and its legend.
+pub struct ShadeView {
+    /// The cut.
+    pub cut: CutView,
+    /// Words for the legend.
+    pub words: &'static str,
+    /// The legend.
+    pub legend: Legend,
+}
+
 /// Contents of the layout.
 pub struct Shown<'a> {
     /// Eye that sees the whole domain.
     pub overview: Eye,
     /// Cuts seen so far.
     pub cuts: &'a [CutView],
+    /// The same by other quantities than speed.
+    pub shades: &'a [ShadeView],
     /// Profiles of grains.
     pub profiles: &'a [ProfileView],
     /// True if there are streamlines.
@@ -60,7 +72,11 @@ pub fn layout(shown: &Shown<'_>) -> Container {
         .with(legends(shown.rubber, shown.sheets), 1.0);
     let words = [words("About this run", "about"), words("Signals", "about/signals")];
     let profiles = shown.profiles.iter().map(profile);
-    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(profiles).chain(words));
+    let views = shown.cuts.iter().map(cut).chain(profiles).chain(words).map(Part::from);
+    let mut views: Vec<Part> = views.collect();
+    let after_cuts = shown.cuts.len();
+    views.splice(after_cuts..after_cuts, shown.shades.iter().map(|view| shade(view).into()));
+    let pictures = tabs("Cuts", views);
     let mut right = Container::new(ContainerKind::Vertical, "Run").with(pictures, 5.0);
     for part in plot_parts(shown.plots, shown.end) {
         right = right.with(part, 3.0);
@@ -95,7 +111,7 @@ fn log() -> View {
     View::new("TextLog", "Log", "log").property("TextLogColumns", columns)
 }
 
-fn tabs(name: &str, views: impl IntoIterator<Item = View>) -> Container {
+fn tabs(name: &str, views: impl IntoIterator<Item = impl Into<Part>>) -> Container {
     views
         .into_iter()
         .fold(Container::new(ContainerKind::Tabs, name), |tabs, view| tabs.with(view, 1.0))
@@ -121,6 +137,13 @@ fn cut(cut: &CutView) -> View {
     space(&cut.name, cut.eye, vec![format!("/{}/**", cut.path)])
 }
 
+/// A cut with its legend below.
+fn shade(view: &ShadeView) -> Container {
+    Container::new(ContainerKind::Vertical, &view.cut.name)
+        .with(cut(&view.cut), 6.0)
+        .with(legend(view.words, &view.legend), 1.0)
+}
+
 fn profile(view: &ProfileView) -> View {
     match view {
         ProfileView::Sheet { name, path, eye } => space(name, *eye, vec![format!("/{path}/**")]),
@@ -131,7 +154,7 @@ fn profile(view: &ProfileView) -> View {
 fn legends(rubber: bool, sheets: bool) -> Container {
     let row = Container::new(ContainerKind::Horizontal, "Legends");
     let views = legend_names(rubber, sheets).into_iter();
-    views.fold(row, |row, (name, scale)| row.with(legend(name, scale), 1.0))
+    views.fold(row, |row, (name, scale)| row.with(legend(name, &scale), 1.0))
 }
 
 /// A legend for each scale in use, with words that tell them apart.
@@ -142,13 +165,13 @@ fn legend_names(rubber: bool, sheets: bool) -> Vec<(&'static str, Legend)> {
     all
 }
 
-fn legend(name: &str, legend: Legend) -> View {
+fn legend(name: &str, legend: &Legend) -> View {
     let [width, height] = [f64::from(WIDTH), f64::from(HEIGHT)];
     let range = Range2D {
         x_range: [-0.08 * width, 1.08 * width].into(),
         y_range: [-0.3 * height, 2.6 * height].into(),
     };
-    View::new("2D", name, legend.path)
+    View::new("2D", name, &legend.path)
         .property("VisualBounds2D", Bounds::new(VisualBounds2D(range)))
 }
 
@@ -203,7 +226,7 @@ mod tests {
     #[test]
     fn each_scale_has_a_legend_of_its_own() {
         let paths = |rubber, sheets| -> Vec<_> {
-            legend_names(rubber, sheets).iter().map(|(_, legend)| legend.path).collect()
+            legend_names(rubber, sheets).into_iter().map(|(_, legend)| legend.path).collect()
         };
         assert_eq!(paths(false, false), ["legend/speed"]);
         assert_eq!(paths(false, true), ["legend/speed", "legend/solid_fraction"]);

@@ -1,5 +1,6 @@
 //! Settings of a user.
 
+use crate::quantity::CutQuantity;
 use rerun::MemoryLimit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -67,6 +68,9 @@ pub struct Parameters {
     pub arrows: u32,
     /// Planes along which to cut the flow, instead of the fluid's own cut.
     pub slices: Vec<PlaneSetting>,
+    /// Quantities that colour each cut once more, in views of their own (default: none; of a gas
+    /// `schlieren`, `vorticity` and `level`).
+    pub quantities: Option<Vec<CutQuantity>>,
     /// Number of streamlines; 0 for none (default: 120, but none where the fluid has a free
     /// surface).
     pub streamlines: Option<u32>,
@@ -97,6 +101,7 @@ impl Default for Parameters {
             cuts: true,
             arrows: 400,
             slices: Vec::new(),
+            quantities: None,
             streamlines: None,
             seeds: None,
             iso_speed: None,
@@ -147,6 +152,14 @@ impl Parameters {
             problems.push(Problem::of_parameter("volume_nodes", "found 0, expected 1 or more"));
         }
         if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
+    /// Quantities that colour each cut of a scene once more.
+    pub(crate) fn quantities_in(&self, scene: &Scene) -> Vec<CutQuantity> {
+        use CutQuantity::{Level, Schlieren, Vorticity};
+        let is_gas = scene.fluid.as_ref().is_some_and(|fluid| fluid.gas.is_some());
+        let usual = || if is_gas { vec![Schlieren, Vorticity, Level] } else { Vec::new() };
+        self.quantities.clone().unwrap_or_else(usual)
     }
 
     /// Number of streamlines in a scene.

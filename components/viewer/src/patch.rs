@@ -90,6 +90,8 @@ impl Patch {
                     pressure: sample.pressure as f32,
                     fill: 1.0,
                     solid: 0,
+                    density: sample.density as f32,
+                    level: sample.level,
                 },
                 None if field.is_air(point) => SliceNode::default(),
                 None => SliceNode { solid: 1, ..SliceNode::default() },
@@ -143,7 +145,7 @@ mod tests {
             velocity: [p[0] as f32, 0.0, 0.0],
             pressure: p[2] as f32,
             fill: 1.0,
-            solid: 0,
+            ..SliceNode::default()
         });
         let field = Field::new(&header, &nodes).unwrap();
         let patch = Patch::new(&domain(), [0.0, 1.0, 0.0].into(), [0.0, 1.0, 0.0].into()).unwrap();

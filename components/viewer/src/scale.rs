@@ -92,13 +92,31 @@ pub struct Scale {
     max: f64,
     fixed: bool,
     moving: bool,
+    /// True if it begins at the negative of its end.
+    signed: bool,
 }
 
 impl Scale {
     /// A scale that ends at `fixed`, or else follows the run from `expected` on.
     pub fn new(map: Map, fixed: Option<f64>, expected: Option<f64>) -> Self {
         let start = expected.filter(|v| *v > 0.0).map_or(1e-3, round_up);
-        Self { map, max: fixed.unwrap_or(start), fixed: fixed.is_some(), moving: false }
+        Self {
+            map,
+            max: fixed.unwrap_or(start),
+            fixed: fixed.is_some(),
+            moving: false,
+            signed: false,
+        }
+    }
+
+    /// From the negative of its end on, if values of both signs count; their sizes are followed.
+    pub fn signed(self, signed: bool) -> Self {
+        Self { signed, ..self }
+    }
+
+    /// Value at the lower end.
+    pub fn min(&self) -> f64 {
+        if self.signed { -self.max } else { 0.0 }
     }
 
     /// Its map of colours.
@@ -128,7 +146,8 @@ impl Scale {
 
     /// Colour of a value; values beyond the end have its colour.
     pub fn colour(&self, value: f32) -> u32 {
-        self.map.table()[(f64::from(value) / self.max * 255.0).clamp(0.0, 255.0) as usize]
+        let part = (f64::from(value) - self.min()) / (self.max - self.min());
+        self.map.table()[(part * 255.0).clamp(0.0, 255.0) as usize]
     }
 }
 
@@ -191,6 +210,15 @@ mod tests {
         let mut scale = Scale::new(Map::Viridis, None, None);
         scale.follow(&mut speeds);
         assert!((scale.max() - 0.1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_signed_scale_has_nothing_in_its_middle() {
+        let mut scale = Scale::new(Map::Viridis, None, None).signed(true);
+        scale.follow(&mut [2.0; 10]);
+        assert_eq!((scale.min(), scale.max()), (-2.0, 2.0));
+        assert_eq!(scale.colour(0.0), Map::Viridis.table()[127]);
+        assert_eq!(scale.colour(-3.0), Map::Viridis.table()[0]);
     }
 
     #[test]

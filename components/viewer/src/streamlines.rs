@@ -153,7 +153,12 @@ mod tests {
     use tremie_messages::frame::SliceNode;
 
     fn node(velocity: Vec3, solid: bool) -> SliceNode {
-        SliceNode { velocity: single(velocity), pressure: 0.0, fill: 1.0, solid: solid.into() }
+        SliceNode {
+            velocity: single(velocity),
+            fill: 1.0,
+            solid: solid.into(),
+            ..SliceNode::default()
+        }
     }
 
     #[test]

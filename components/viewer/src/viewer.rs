@@ -4,7 +4,7 @@ use crate::bodies::{self, Bodies};
 use crate::cut::{self, Cut};
 use crate::field::Field;
 use crate::flow::Flow;
-use crate::layout::{CutView, Shown, layout};
+use crate::layout::{CutView, ShadeView, Shown, layout};
 use crate::parameters::Parameters;
 use crate::parts::{self, Parts};
 use crate::profiles::Profiles;
@@ -12,6 +12,7 @@ use crate::rates::Rates;
 use crate::rubber::{self, Rubber};
 use crate::scale::{Map, Scale};
 use crate::session::Session;
+use crate::shade::Shade;
 use crate::signals::Plot;
 use crate::solids::Solids;
 use crate::view::{Eye, overview, up_vector};
@@ -58,6 +59,7 @@ pub struct Viewer {
     rubber: Rubber,
     profiles: Profiles,
     cuts: BTreeMap<(String, String), Cut>,
+    shades: BTreeMap<(String, String), Vec<Shade>>,
     flows: BTreeMap<(String, String), Flow>,
     /// True if there is a view of streamlines.
     streamlines: bool,
@@ -120,10 +122,26 @@ impl Viewer {
             eye: cut.eye(self.up, self.overview.position),
         };
         let cuts: Vec<_> = self.cuts.iter().map(view).collect();
+        let shades: Vec<_> = (self.shades.iter())
+            .filter_map(|(key, shades)| Some((key, self.cuts.get(key)?, shades)))
+            .flat_map(|((from, _), cut, shades)| {
+                let eye = cut.eye(self.up, self.overview.position);
+                shades.iter().map(move |shade| ShadeView {
+                    cut: CutView {
+                        name: format!("{from}: {}", shade.quantity.name()),
+                        path: shade.path.clone(),
+                        eye,
+                    },
+                    words: shade.quantity.words(),
+                    legend: shade.legend.clone(),
+                })
+            })
+            .collect();
         let profiles = self.profiles.views(self.up, self.overview.position);
         let shown = Shown {
             overview: self.overview,
             cuts: &cuts,
+            shades: &shades,
             profiles: &profiles,
             streamlines: self.streamlines,
             rubber: !self.rubber.is_empty(),
@@ -143,10 +161,13 @@ impl Viewer {
     ) -> Result<(), ObserverError> {
         self.open_cut(&key, header)?;
         self.follow(cut::speeds(nodes))?;
-        match self.cuts.get(&key) {
-            Some(cut) => drawn(cut.log(self.session.recording(), nodes, &self.scale)),
-            None => Ok(()),
+        if let Some(cut) = self.cuts.get(&key) {
+            drawn(cut.log(self.session.recording(), nodes, &self.scale))?;
         }
+        for shade in self.shades.get_mut(&key).into_iter().flatten() {
+            drawn(shade.log(self.session.recording(), header, nodes))?;
+        }
+        Ok(())
     }
 
     /// Draws a cut's shape when it is seen first; the layout then has a view for it.
@@ -169,6 +190,13 @@ impl Viewer {
             eye,
             &self.scene.domain,
         ))?;
+        let open = |quantity| {
+            let place = (from.as_str(), name.as_str());
+            Shade::open(self.recording(), place, quantity, header, &self.scene.domain)
+        };
+        let quantities = self.parameters.quantities_in(&self.scene).into_iter();
+        let shades = drawn(quantities.map(open).collect())?;
+        self.shades.insert(key.clone(), shades);
         if self.cuts.insert(key.clone(), cut).is_none() {
             self.send_layout()?;
         }
@@ -227,6 +255,7 @@ impl Observer for Viewer {
             rubber,
             profiles,
             cuts: BTreeMap::new(),
+            shades: BTreeMap::new(),
             flows: BTreeMap::new(),
             streamlines: parameters.streamlines_in(scene) > 0
                 && frames.iter().any(|stream| matches!(stream.content, FrameContent::Volume(_))),

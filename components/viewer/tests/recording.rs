@@ -155,6 +155,7 @@ fn slice(count: [u64; 2], t: f64) -> (SliceHeader, Vec<SliceNode>) {
             pressure: 0.0,
             fill: 1.0 - f32::from(u8::from(solid)),
             solid: u32::from(solid),
+            ..SliceNode::default()
         }
     };
     (header, (0..count[0] * count[1]).map(node).collect())
@@ -274,6 +275,7 @@ fn volume(t: f64) -> (VolumeHeader, Vec<SliceNode>) {
             pressure: p[0] as f32,
             fill: 1.0,
             solid: u32::from((p[0] - 0.023).hypot(p[2] - 0.006) < 0.002),
+            ..SliceNode::default()
         }
     };
     (header, (0..60 * 18 * 38).map(node).collect())

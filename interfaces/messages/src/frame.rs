@@ -84,6 +84,10 @@ pub struct SliceNode {
     pub fill: f32,
     /// 1 where the node lies in a solid, else 0.
     pub solid: u32,
+    /// Density of the fluid [kg/m³].
+    pub density: f32,
+    /// Level of refinement of the fluid's grid there, 0 for the coarsest and where it has one.
+    pub level: u32,
 }
 
 impl SliceNode {
@@ -225,9 +229,9 @@ unsafe impl Message for SliceHeader {
 unsafe impl Message for VolumeHeader {
     const TYPE_NAME: &'static str = "tremie.VolumeHeader.1";
 }
-// SAFETY: six words of 4 bytes, no padding.
+// SAFETY: eight words of 4 bytes, no padding.
 unsafe impl Message for SliceNode {
-    const TYPE_NAME: &'static str = "tremie.SliceNode.2";
+    const TYPE_NAME: &'static str = "tremie.SliceNode.3";
 }
 // SAFETY: 40 bytes, then three words, no padding.
 unsafe impl Message for ProfileHeader {

@@ -32,7 +32,7 @@ pub use surface::{FacetLoad, SurfaceVertex};
 
 /// Version of everything in this crate that crosses a process boundary. A component of another
 /// version is refused at the handshake, before anything is computed.
-pub const INTERFACE_VERSION: u32 = 3;
+pub const INTERFACE_VERSION: u32 = 4;
 
 /// A value that may cross shared memory.
 ///

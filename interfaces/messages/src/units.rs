@@ -138,6 +138,8 @@ quantities! {
     Dashpot, MassRate, "a dashpot coefficient", "3 kg/s", "kg/s";
     /// A pressure, or a modulus of elasticity [Pa].
     Pressure, Pressure, "a pressure", "2 kPa", "Pa";
+    /// A temperature [K].
+    Temperature, ThermodynamicTemperature, "a temperature", "293.15 K", "K";
     /// An angle [rad].
     Angle, Angle, "an angle", "90 deg", "rad";
     /// A frequency [1/s].
@@ -216,6 +218,7 @@ mod tests {
         assert_eq!("100 Hz".parse::<Frequency>().unwrap().0, 100.0);
         assert_eq!("70 GPa".parse::<Pressure>().unwrap().0, 70e9);
         assert_eq!("1 bar".parse::<Pressure>().unwrap().0, 1e5);
+        assert_eq!("300 K".parse::<Temperature>().unwrap().0, 300.0);
         assert_eq!("180 deg".parse::<Angle>().unwrap().0, core::f64::consts::PI);
         assert_eq!("1 rad/s".parse::<AngularVelocity>().unwrap().0, 1.0);
     }

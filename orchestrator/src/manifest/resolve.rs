@@ -14,7 +14,7 @@ use std::path::Path;
 use tremie_messages::Role;
 use tremie_messages::scene::{Domain, Inlet, Profile, Tangential};
 use tremie_messages::units::{
-    Acceleration, Angle, AngularVelocity, Force, Length, Pressure, Time, Velocity,
+    Acceleration, Angle, AngularVelocity, Force, Length, Pressure, Temperature, Time, Velocity,
 };
 
 /// Frames that a run gives to observers unless told otherwise.
@@ -117,6 +117,13 @@ impl Document {
             fluid.acceleration.get_or_insert([Acceleration(0.0); 3]);
             fluid.velocity.get_or_insert([Velocity(0.0); 3]);
             fluid.pressure.get_or_insert(Pressure(0.0));
+            if let Some(gas) = &mut fluid.gas {
+                // Those of air.
+                gas.temperature.get_or_insert(Temperature(293.15));
+                gas.heat_ratio.get_or_insert(1.4);
+                gas.prandtl.get_or_insert(0.72);
+                gas.sutherland.get_or_insert(Temperature(110.4));
+            }
         }
         for plane in &mut scene.planes {
             plane.material = plane.material.take().or_else(|| scene.domain.material.clone());

@@ -15,12 +15,15 @@ const ENDLESS: f64 = 1e10;
 pub const WEEK: f64 = 7.0 * 86_400.0;
 
 /// Speed of a machine, for a guess before anything has run: least time of a window [s], and work a
-/// second [1/s]: cell updates of a lattice, wet cells of a particle fluid in a plane and in space
+/// second [1/s]: cell updates of a lattice, wet cells of a particle fluid and points of a gas in a
+/// plane and in space
 /// (one thread), and grain steps. `check --measure` measures it.
 const WINDOW: f64 = 5e-6;
 const CELLS: f64 = 1e8;
 const WET_CELLS_IN_PLANE: f64 = 3e5;
 const WET_CELLS_IN_SPACE: f64 = 1.2e5;
+const GAS_IN_PLANE: f64 = 6e5;
+const GAS_IN_SPACE: f64 = 2.5e5;
 const GRAINS: f64 = 1e7;
 
 /// A component and its description.
@@ -64,6 +67,8 @@ fn rate(said: &Description, is_plane: bool) -> Option<(f64, &'static str)> {
         ("cell updates", _) => Some((CELLS, "cells")),
         ("wet cells", true) => Some((WET_CELLS_IN_PLANE, "wet cells (plane, one thread)")),
         ("wet cells", false) => Some((WET_CELLS_IN_SPACE, "wet cells (space, one thread)")),
+        ("points of gas", true) => Some((GAS_IN_PLANE, "points of gas (plane, one thread)")),
+        ("points of gas", false) => Some((GAS_IN_SPACE, "points of gas (space, one thread)")),
         ("grain steps", _) => Some((GRAINS, "grains")),
         _ => None,
     }

@@ -59,6 +59,14 @@ pub const BUILT_IN: &[BuiltIn] = &[
         benchmarks: tremie_fluid_pic::benchmarks,
     },
     BuiltIn {
+        name: "fluid-wavelet",
+        role: Role::Fluid,
+        about: "compressible gas on adaptive wavelets: shocks, wakes, moving bodies",
+        settings: SchemaGenerator::subschema_for::<tremie_fluid_wavelet::Parameters>,
+        run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_wavelet::component::GasComponent>>,
+        benchmarks: tremie_fluid_wavelet::benchmarks,
+    },
+    BuiltIn {
         name: "grains-dem",
         role: Role::Grains,
         about: "discrete elements: spheres, walls and parts, friction",

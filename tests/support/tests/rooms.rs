@@ -21,7 +21,7 @@ const GRAINS: [&str; 10] = [
     "grains",
 ];
 
-const KIT: [&str; 6] = ["cells", "window", "probes", "survey", "checks", "observed"];
+const KIT: [&str; 7] = ["cells", "bodies", "window", "probes", "survey", "checks", "observed"];
 
 const GRAINS_KIT: [&str; 8] =
     ["math", "space", "motion", "neighbours", "packing", "checks", "signals", "profiles"];
@@ -31,7 +31,7 @@ const HARD: [&str; 6] = ["impact", "cells", "bodies", "solver", "setup", "grains
 const PARTICLES: [&str; 9] =
     ["grid", "pressure", "particles", "solids", "surface", "solver", "domain", "report", "fluid"];
 
-const WAVELET: [&str; 4] = ["grid", "gas", "bodies", "solver"];
+const WAVELET: [&str; 7] = ["grid", "gas", "bodies", "solver", "domain", "report", "fluid"];
 
 const RUBBER: [&str; 6] = ["mesh", "fem", "table", "runtime", "import", "spec"];
 
@@ -52,9 +52,10 @@ const CRATES: [(&str, &[&str]); 9] = [
 ];
 
 /// Crates that only the room `registry` may name: what the program carries in itself.
-const CARRIED: [&str; 10] = [
+const CARRIED: [&str; 11] = [
     "tremie_fluid_lbm",
     "tremie_fluid_pic",
+    "tremie_fluid_wavelet",
     "tremie_grains_dem",
     "tremie_grains_hard_sphere",
     "tremie_rubber_table",

@@ -1,6 +1,7 @@
 //! The box of cells.
 
 pub mod centres;
+pub mod flattened;
 pub mod grid;
 pub mod links;
 pub mod obstacles;

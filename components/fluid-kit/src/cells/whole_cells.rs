@@ -39,7 +39,7 @@ pub fn whole_cells(domain: &Domain, cell: f64, problems: &mut Vec<Problem>) -> [
 
 /// The cell nearest to `wanted` of which all edges of a box are whole numbers, within a factor of
 /// two; `None` if there is none.
-fn common_cell(size: [f64; 3], wanted: f64) -> Option<f64> {
+pub fn common_cell(size: [f64; 3], wanted: f64) -> Option<f64> {
     let shortest = size.into_iter().fold(f64::INFINITY, f64::min);
     let (fewest, most) = (0.5 * shortest / wanted, 2.0 * shortest / wanted);
     if most > 1e5 {

@@ -20,6 +20,8 @@ pub struct ProbeSum {
     pub pressure: f64,
     /// Of the velocity.
     pub velocity: [f64; 3],
+    /// Of the momentum of a volume, of a fluid whose density varies.
+    pub momentum: [f64; 3],
 }
 
 impl ProbeSum {
@@ -33,12 +35,21 @@ impl ProbeSum {
         }
     }
 
+    /// Adds a cell of a fluid whose density varies.
+    pub fn add_dense(&mut self, weight: f64, pressure: f64, velocity: [f64; 3], density: f64) {
+        self.add(weight, pressure, velocity);
+        for a in 0..3 {
+            self.momentum[a] += weight * density * velocity[a];
+        }
+    }
+
     fn join(&mut self, other: &Self) {
         self.fluid += other.fluid;
         self.covered += other.covered;
         self.pressure += other.pressure;
         for a in 0..3 {
             self.velocity[a] += other.velocity[a];
+            self.momentum[a] += other.momentum[a];
         }
     }
 

@@ -61,6 +61,8 @@ impl ObservedCells for LbmFluid {
             pressure: node.pressure as f32,
             fill: if node.solid { 0.0 } else { 1.0 },
             solid: u32::from(node.solid),
+            density: node.density as f32,
+            level: 0,
         }
     }
 }

@@ -51,6 +51,8 @@ pub struct SliceNode {
     pub velocity: [f64; 3],
     /// Pressure over that of the reference density [Pa]; zero inside a solid.
     pub pressure: f64,
+    /// Density [kg/m³]; zero inside a solid.
+    pub density: f64,
     /// True if the cell is inside a body (or isolated by bodies).
     pub solid: bool,
 }
@@ -151,6 +153,7 @@ impl<T: Real> LatticeState<T> {
         SliceNode {
             velocity: u.map(|u| u * self.units.velocity()),
             pressure: CS2 * content.drho * self.units.pressure(),
+            density: (1.0 + content.drho) * self.units.density,
             solid: false,
         }
     }

@@ -67,6 +67,8 @@ impl<const D: usize> ObservedCells for PicFluid<D> {
             pressure: pressure as f32,
             fill: fill as f32,
             solid: u32::from(is_solid),
+            density: self.density() as f32,
+            level: 0,
         }
     }
 }

@@ -1,32 +1,13 @@
 //! Errors while a run is under way.
 
+use tremie_fluid_kit::bodies::body_registry::BodyError;
+
 /// Failure of the fluid during a run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FluidError {
-    /// A body that cannot be taken.
-    #[error("body {id} cannot be taken: {why}")]
-    Body {
-        /// Its id.
-        id: u64,
-        /// Reason, a few words.
-        why: &'static str,
-    },
-    /// States that are not those of the living bodies.
-    #[error("expected the states of {expected} bodies in the order of their ids, found {found}{}", named(*.id))]
-    States {
-        /// Number of living bodies.
-        expected: usize,
-        /// Number of states.
-        found: usize,
-        /// The first id that does not fit.
-        id: Option<u64>,
-    },
-    /// A state that is not finite.
-    #[error("the state of body {id} is not finite")]
-    NotFinite {
-        /// Its id.
-        id: u64,
-    },
+    /// Bodies or states that cannot be taken.
+    #[error(transparent)]
+    Bodies(#[from] BodyError),
     /// The pressure's iteration ended without a solution.
     #[error(
         "the pressure at {time:.6} s was not found in {iterations} iterations: an imbalance of {residual:.3e} m/s is \
@@ -48,8 +29,4 @@ pub enum FluidError {
         /// Simulated time [s].
         time: f64,
     },
-}
-
-fn named(id: Option<u64>) -> String {
-    id.map_or(String::new(), |id| format!(", of which body {id} is the first that does not fit"))
 }

@@ -2,7 +2,6 @@
 
 #[cfg(feature = "component")]
 pub mod benchmark;
-pub mod body_registry;
 #[cfg(feature = "component")]
 pub mod component;
 pub mod contact_prediction;

@@ -6,7 +6,7 @@
 //! get the load of the very step that they take, with their own masses in its solution.
 
 use crate::domain::parameters::{ContactForces, Parameters};
-use crate::fluid::body_registry::BodyRegistry;
+use crate::fluid::contact_prediction::LastingForce;
 use crate::fluid::error::FluidError;
 use crate::fluid::scene_faces::SceneFaces;
 use crate::fluid::scene_solids::{SceneSolids, solids_at_rest};
@@ -14,12 +14,15 @@ use crate::grid::staggered_grid::StaggeredGrid;
 use crate::particles::seeding::seed;
 use crate::pressure::body_coupling::Wrench;
 use crate::pressure::conjugate_gradients::{PressureOutcome, Tolerance};
-use crate::report::resolution::{FillRegions, Resolution, flattened};
+use crate::report::resolution::{FillRegions, Resolution};
 use crate::solids::rigid_body::{Freedom, RigidBody};
 use crate::solids::section::Section;
 use crate::solver::loads::FluidSums;
 use crate::solver::pic_settings::PicSettings;
 use crate::solver::pic_solver::PicSolver;
+use tremie_fluid_kit::bodies::body_registry::BodyRegistry;
+use tremie_fluid_kit::bodies::part_way::part_way;
+use tremie_fluid_kit::cells::flattened::flattened;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::probes::probe_plan::{ProbePlan, ProbeSum};
 use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
@@ -34,7 +37,7 @@ pub struct PicFluid<const D: usize> {
     section: Section<D>,
     solids: SceneSolids<D>,
     faces: SceneFaces<D>,
-    registry: BodyRegistry,
+    registry: BodyRegistry<LastingForce>,
     bodies: Vec<RigidBody<D>>,
     loads: Vec<Wrench>,
     /// Step of the fluid [s].
@@ -199,7 +202,7 @@ impl<const D: usize> PicFluid<D> {
     /// A body added twice or removed without being there, an unknown kind, no size. The list is then
     /// not applied at all.
     pub fn apply_events(&mut self, events: &[BodyEvent]) -> Result<(), FluidError> {
-        self.registry.apply(events)
+        Ok(self.registry.apply(events)?)
     }
 
     /// The start exchange: particles leave the bodies, and the loads of the first step are found.
@@ -260,10 +263,10 @@ impl<const D: usize> PicFluid<D> {
             };
             let mut body = self.solids.body(known, &between)?;
             if is_last {
-                known.lasting.see(state.velocity, window);
+                known.own.see(state.velocity, window);
                 known.state = Some(*state);
                 if self.contacts == ContactForces::Lasting {
-                    let lasting = self.section.along(known.lasting.acceleration());
+                    let lasting = self.section.along(known.own.acceleration());
                     let mass = body.mass().unwrap_or(0.0);
                     body.force = lasting.map(|acceleration| mass * acceleration);
                 }
@@ -299,7 +302,7 @@ impl<const D: usize> PicFluid<D> {
             load.id = state.id;
             let mass = known.event.mass;
             if mass > 0.0 {
-                known.lasting.expect(std::array::from_fn(|a| {
+                known.own.expect(std::array::from_fn(|a| {
                     window * (load.force[a] / mass + self.gravity[a])
                 }));
             }
@@ -359,6 +362,11 @@ impl<const D: usize> PicFluid<D> {
                 .map(|p| p * depth / self.dt),
             on_bodies,
         }
+    }
+
+    /// Density of the fluid [kg/m³].
+    pub fn density(&self) -> f64 {
+        self.solver.density()
     }
 
     /// Number of wet cells.
@@ -430,29 +438,6 @@ fn world_load<const D: usize>(section: &Section<D>, depth: f64, wrench: &Wrench)
     let force: [f64; D] = std::array::from_fn(|a| depth * wrench[a]);
     let torque = section.turn_to_world([wrench[3], wrench[4], wrench[5]]);
     Load { id: 0, force: section.vector_to_world(force), torque: torque.map(|t| depth * t) }
-}
-
-/// A body part of the way between two states, with the velocities that it has at a later part, where
-/// the step ends that begins here.
-fn part_way(before: &BodyState, after: &BodyState, [part, later]: [f64; 2]) -> BodyState {
-    let mix = |from: f64, to: f64| from + part * (to - from);
-    let turned: f64 =
-        (0..4).map(|k| before.orientation[k] * after.orientation[k]).sum::<f64>().signum();
-    let orientation: [f64; 4] =
-        std::array::from_fn(|k| mix(turned * before.orientation[k], after.orientation[k]));
-    let length = orientation.iter().map(|q| q * q).sum::<f64>().sqrt();
-    BodyState {
-        position: std::array::from_fn(|a| mix(before.position[a], after.position[a])),
-        orientation: orientation.map(|q| q / length),
-        velocity: std::array::from_fn(|a| {
-            before.velocity[a] + later * (after.velocity[a] - before.velocity[a])
-        }),
-        angular_velocity: std::array::from_fn(|a| {
-            let [from, to] = [before, after].map(|state| state.angular_velocity[a]);
-            from + later * (to - from)
-        }),
-        ..*after
-    }
 }
 
 /// Values of a probe.

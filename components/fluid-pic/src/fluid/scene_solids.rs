@@ -1,13 +1,13 @@
 //! The solids of a scene as the solver takes them: parts, planes, polyhedra, spheres.
 
-use crate::fluid::body_registry::KnownBody;
-use crate::fluid::error::FluidError;
+use crate::fluid::contact_prediction::LastingForce;
 use crate::solids::half_spaces::HalfSpaces;
 use crate::solids::rigid_body::{BodyShape, Freedom, RigidBody};
 use crate::solids::section::Section;
 use crate::solids::surface_solid::SurfaceSolid;
 use nalgebra::Matrix3;
 use std::sync::Arc;
+use tremie_fluid_kit::bodies::body_registry::{BodyError, KnownBody};
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 use tremie_geometry::{Convex, Frame, Surface, Vec3};
 use tremie_messages::scene::{Motion, Part, Pose, Scene};
@@ -172,9 +172,13 @@ impl<const D: usize> SceneSolids<D> {
     ///
     /// # Errors
     /// Shapes that are not known.
-    pub fn body(&self, known: &KnownBody, state: &BodyState) -> Result<RigidBody<D>, FluidError> {
+    pub fn body(
+        &self,
+        known: &KnownBody<LastingForce>,
+        state: &BodyState,
+    ) -> Result<RigidBody<D>, BodyError> {
         let event = &known.event;
-        let wrong = |why| FluidError::Body { id: event.id, why };
+        let wrong = |why| BodyError::Body { id: event.id, why };
         let frame = Frame::of(&Pose { position: state.position, orientation: state.orientation });
         let table = usize::try_from(event.table).unwrap_or(usize::MAX);
         let shape = match event.shape {

@@ -3,6 +3,7 @@
 use crate::domain::parameters::{Parameters, WallName};
 use crate::report::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
+use tremie_fluid_kit::cells::flattened::flattened;
 use tremie_fluid_kit::cells::links::Links;
 use tremie_fluid_kit::cells::whole_cells::whole_cells;
 use tremie_fluid_kit::checks::gap_width_check::{Narrow, narrowest};
@@ -194,19 +195,6 @@ pub fn dimensions(scene: &Scene) -> u32 {
 fn stored_cells(cells: [usize; 3], scene: &Scene) -> u64 {
     let across = scene.domain.across;
     (0..3).filter(|&a| across != Some(a)).map(|a| cells[a] as u64 + 2).product()
-}
-
-/// A plane scene as a layer of cells of an edge [m], about the middle of its depth; another as it
-/// is.
-pub fn flattened(scene: &Scene, cell: f64) -> Scene {
-    let mut flat = scene.clone();
-    if let Some(axis) = scene.domain.across {
-        let domain = &mut flat.domain;
-        let middle = 0.5 * (domain.min[axis] + domain.max[axis]);
-        (domain.min[axis], domain.max[axis]) = (middle - 0.5 * cell, middle + 0.5 * cell);
-        domain.faces[axis] = [Face::Symmetry, Face::Symmetry];
-    }
-    flat
 }
 
 /// Cells that hold fluid at the start.

@@ -51,6 +51,10 @@ pub struct BodyMask {
     first: Vec<Option<u32>>,
     /// For each point, ghosts included, 0 in gas, and the body's number and one inside it.
     marks: Vec<u16>,
+    /// For each block, where the numbers of the bodies near it begin and end.
+    near: Vec<[u32; 2]>,
+    /// These numbers, ascending for each block.
+    numbers: Vec<u16>,
 }
 
 impl BodyMask {
@@ -60,12 +64,16 @@ impl BodyMask {
         self.first.clear();
         self.first.resize(tree.blocks.len(), None);
         self.marks.clear();
+        self.near.clear();
+        self.numbers.clear();
         for (slot, &block) in tree.blocks.iter().enumerate() {
             let (centre, reach) = places.ball_around(block);
+            let begin = self.numbers.len() as u32;
             for (number, body) in bodies.iter().enumerate() {
                 if body.height(centre).0 >= reach {
                     continue;
                 }
+                self.numbers.push(number as u16);
                 let marks = &mut self.marks;
                 let first = *self.first[slot].get_or_insert_with(|| {
                     let first = marks.len();
@@ -79,7 +87,19 @@ impl BodyMask {
                     }
                 }
             }
+            self.near.push([begin, self.numbers.len() as u32]);
         }
+    }
+
+    /// Numbers of the bodies that come near a block, ascending.
+    pub fn near(&self, slot: usize) -> &[u16] {
+        let [begin, end] = self.near.get(slot).copied().unwrap_or_default();
+        &self.numbers[begin as usize..end as usize]
+    }
+
+    /// Number of the bodies near each block, in the order of the blocks.
+    pub fn near_counts(&self) -> impl Iterator<Item = usize> + '_ {
+        self.near.iter().map(|[begin, end]| (end - begin) as usize)
     }
 
     /// Marks of a block's points, ghosts included, if bodies come near it.

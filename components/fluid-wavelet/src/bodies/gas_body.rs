@@ -15,8 +15,8 @@ pub trait GasBody: Sync {
     fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]);
     /// Velocity of the body's material at a point [m/s].
     fn velocity(&self, at: [f64; 3]) -> [f64; 3];
-    /// The point that torques are about [m].
-    fn centre(&self) -> [f64; 3];
+    /// A point seen from the one that torques are about [m].
+    fn arm(&self, at: [f64; 3]) -> [f64; 3];
     /// What becomes of heat.
     fn heat(&self) -> SurfaceHeat {
         SurfaceHeat::Adiabatic
@@ -38,7 +38,7 @@ pub struct Ball {
 
 impl GasBody for Ball {
     fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
-        let apart: [f64; 3] = std::array::from_fn(|a| at[a] - self.centre[a]);
+        let apart = self.arm(at);
         let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
         // The centre has no direction, and nothing depends on one there.
         let normal = if distance > 0.0 { apart.map(|x| x / distance) } else { [1.0, 0.0, 0.0] };
@@ -46,13 +46,12 @@ impl GasBody for Ball {
     }
 
     fn velocity(&self, at: [f64; 3]) -> [f64; 3] {
-        let arm: [f64; 3] = std::array::from_fn(|a| at[a] - self.centre[a]);
-        let turn = cross(self.spin, arm);
+        let turn = cross(self.spin, self.arm(at));
         std::array::from_fn(|a| self.velocity[a] + turn[a])
     }
 
-    fn centre(&self) -> [f64; 3] {
-        self.centre
+    fn arm(&self, at: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| at[a] - self.centre[a])
     }
 }
 
@@ -79,8 +78,8 @@ impl GasBody for HalfSpace {
         self.velocity
     }
 
-    fn centre(&self) -> [f64; 3] {
-        self.point
+    fn arm(&self, at: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| at[a] - self.point[a])
     }
 
     fn heat(&self) -> SurfaceHeat {
@@ -110,9 +109,14 @@ impl BodyLoad {
 
     /// Adds another load about the same centre.
     pub fn add_all(&mut self, other: Self) {
+        self.add_share(other, 1.0);
+    }
+
+    /// Adds a share of another load about the same centre.
+    pub fn add_share(&mut self, other: Self, share: f64) {
         for a in 0..3 {
-            self.force[a] += other.force[a];
-            self.torque[a] += other.torque[a];
+            self.force[a] += share * other.force[a];
+            self.torque[a] += share * other.torque[a];
         }
     }
 }

@@ -15,9 +15,11 @@ pub struct MomentumIntoBodies<'a> {
     pub marks: &'a [u16],
     /// Place of the block's first ghost [m].
     pub low: [f64; 3],
-    /// Centres of the bodies [m].
-    pub centres: &'a [[f64; 3]],
-    /// The loads, to which is added.
+    /// A point seen from what the torque on a body is about, by the body's number [m].
+    pub arm: &'a dyn Fn(usize, [f64; 3]) -> [f64; 3],
+    /// The bodies that come near the block, ascending.
+    pub near: &'a [u16],
+    /// Their loads, to which is added.
     pub loads: &'a mut [BodyLoad],
 }
 
@@ -52,11 +54,13 @@ impl MomentumIntoBodies<'_> {
         let area = self.spacing.powi(dims as i32 - 1);
         let mut at = self.shape.at(p).map(|k| k as f64);
         at[axis] += 0.5;
-        let (mut force, mut arm) = ([0.0; 3], [0.0; 3]);
+        let (mut force, mut place) = ([0.0; 3], [0.0; 3]);
         for a in 0..dims {
             force[a] = sign * area * flux(1 + a, p);
-            arm[a] = self.low[a] + self.spacing * at[a] - self.centres[body][a];
+            place[a] = self.low[a] + self.spacing * at[a];
         }
-        self.loads[body].add(force, arm);
+        if let Ok(near) = self.near.binary_search(&(body as u16)) {
+            self.loads[near].add(force, (self.arm)(body, place));
+        }
     }
 }

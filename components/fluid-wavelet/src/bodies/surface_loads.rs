@@ -14,12 +14,12 @@ use crate::grid::block_tree::BlockAddress;
 /// Half of the width of the delta function, in points.
 const REACH: f64 = 2.0;
 
-/// Adds the loads on bodies of the points of one block, whose state the room holds.
+/// Adds the loads on the bodies that come near a block of its points, whose state the room holds.
 pub fn add_surface_loads(
     (places, gas): (&BlockPlaces, &Gas),
     block: BlockAddress,
     rest: f64,
-    bodies: &[impl GasBody],
+    (bodies, near): (&[impl GasBody], &[u16]),
     room: &GasRoom,
     loads: &mut [BodyLoad],
 ) {
@@ -30,7 +30,8 @@ pub fn add_surface_loads(
     for row in shape.rows(from, to) {
         for p in row..row + shape.edge[0] {
             let at = places.padded_point(block, shape.at(p));
-            for (body, load) in bodies.iter().zip(loads.iter_mut()) {
+            for (body, load) in near.iter().zip(loads.iter_mut()) {
+                let body = &bodies[usize::from(*body)];
                 let (height, normal) = body.height(at);
                 let relative = height / (REACH * spacing);
                 if relative.abs() >= 1.0 {
@@ -39,9 +40,8 @@ pub fn add_surface_loads(
                 let delta =
                     (1.0 + (std::f64::consts::PI * relative).cos()) / (2.0 * REACH * spacing);
                 let traction = traction(places, gas, room, (p, spacing), rest, normal);
-                let centre = body.centre();
-                let arm = std::array::from_fn(|a| at[a] - height * normal[a] - centre[a]);
-                load.add(traction.map(|t| t * delta * volume), arm);
+                let foot = std::array::from_fn(|a| at[a] - height * normal[a]);
+                load.add(traction.map(|t| t * delta * volume), body.arm(foot));
             }
         }
     }

@@ -1,5 +1,9 @@
 //! Steps of the gas on its adaptive grid.
 
 pub mod domain_faces;
+pub mod gas_sums;
+pub mod observed_point;
+pub mod rates_pass;
 pub mod sponge;
+pub mod wall_forces;
 pub mod wavelet_solver;

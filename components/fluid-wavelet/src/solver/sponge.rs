@@ -1,13 +1,15 @@
-//! A layer at the faces of the domain in which the gas relaxes to a state: what runs into it comes
-//! back neither from it nor from the face.
+//! A layer at faces of the domain in which the gas relaxes to a state: what runs into it comes back
+//! neither from it nor from the face.
 
 use crate::bodies::body_mask::BlockPlaces;
 use crate::gas::gas_law::MOST_FIELDS;
 use crate::grid::block_tree::{BlockAddress, BlockDomain};
 
-/// A layer along all faces that do not wrap around.
+/// A layer along faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sponge {
+    /// The faces, the lower and the upper one of each axis.
+    pub faces: [[bool; 2]; 3],
     /// Width [m].
     pub width: f64,
     /// Rate of relaxation at the face, from which it falls by its square [1/s].
@@ -34,8 +36,12 @@ impl Sponge {
         for point in 0..shape.points {
             let at = places.padded_point(block, shape.padded_at(point));
             let mut to_face = f64::INFINITY;
-            for a in (0..shape.dims).filter(|&a| !domain.periodic[a]) {
-                to_face = to_face.min(at[a] - places.origin[a]).min(upper[a] - at[a]);
+            for a in 0..shape.dims {
+                for (side, way) in
+                    [at[a] - places.origin[a], upper[a] - at[a]].into_iter().enumerate()
+                {
+                    to_face = if self.faces[a][side] { to_face.min(way) } else { to_face };
+                }
             }
             let inside = 1.0 - to_face / self.width;
             if inside > 0.0 {

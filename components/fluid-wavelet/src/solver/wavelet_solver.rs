@@ -3,15 +3,14 @@
 use crate::bodies::body_mask::{BlockPlaces, BodyMask, blocks_at_surfaces};
 use crate::bodies::gas_body::{BodyLoad, GasBody};
 use crate::bodies::inside_points::InsidePoints;
-use crate::bodies::momentum_loads::MomentumIntoBodies;
-use crate::bodies::surface_loads::add_surface_loads;
-use crate::gas::block_rates::{FaceWatch, GasRoom, NoGas, RatesOfBlock};
+use crate::gas::block_rates::{GasRoom, NoGas};
 use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS, field_count};
 use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, wanted_blocks};
 use crate::grid::block_shape::BlockShape;
-use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, NONE, spacing_of_level};
+use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, spacing_of_level};
 use crate::grid::block_values::{BlockValues, FillRoom};
 use crate::solver::domain_faces::{DomainFace, DomainFaces};
+use crate::solver::rates_pass::{OfBlock, RatesPass};
 use crate::solver::sponge::Sponge;
 use tremie_team::{Cut, Team, Variant};
 
@@ -47,6 +46,8 @@ pub struct WaveletSettings {
     pub courant: f64,
     /// Layer at the faces in which what runs out dies, if any.
     pub sponge: Option<Sponge>,
+    /// Acceleration that drives the gas [m/s^2].
+    pub acceleration: [f64; 3],
     /// Pressure from which that on bodies counts [Pa].
     pub rest_pressure: f64,
     /// The gas.
@@ -69,6 +70,7 @@ impl WaveletSettings {
             adapt_every: 4,
             courant: 0.5,
             sponge: None,
+            acceleration: [0.0; 3],
             rest_pressure: gas.gas_constant * gas.reference,
             gas,
         }
@@ -132,7 +134,7 @@ pub struct WaveletSolver {
     pub significant: u64,
     /// Loads on the bodies in the last step.
     pub loads: Vec<TwoLoads>,
-    mask: BodyMask,
+    pub(crate) mask: BodyMask,
     inside: InsidePoints,
     rates: Vec<f64>,
     start: Vec<f64>,
@@ -143,6 +145,7 @@ pub struct WaveletSolver {
     variant: Variant,
     fill_rooms: Vec<FillRoom>,
     gas_rooms: Vec<GasRoom>,
+    found: Vec<OfBlock>,
 }
 
 impl WaveletSolver {
@@ -179,21 +182,28 @@ impl WaveletSolver {
             variant: Variant::widest(),
             fill_rooms: (0..threads).map(|_| FillRoom::new(&shape)).collect(),
             gas_rooms: (0..threads).map(|_| GasRoom::new(&shape)).collect(),
+            found: Vec::new(),
         };
+        solver.begin(bodies, initial);
+        Ok(solver)
+    }
+
+    /// Begins anew at time 0, in the state `initial` gives at each place.
+    pub fn begin(&mut self, bodies: &[impl GasBody], initial: impl Fn([f64; 3]) -> GasState) {
+        (self.time, self.steps) = (0.0, 0);
         // Each round may go one level deeper.
-        for _ in 0..=settings.deepest {
-            solver.set_to(&initial);
-            solver.place_bodies(bodies);
-            solver.fill();
-            if !solver.adapt(bodies) {
+        for _ in 0..=self.settings.deepest {
+            self.set_to(&initial);
+            self.place_bodies(bodies);
+            self.fill();
+            if !self.adapt(bodies) {
                 break;
             }
         }
-        solver.set_to(&initial);
-        solver.place_bodies(bodies);
-        solver.fill();
-        solver.find_scales();
-        Ok(solver)
+        self.set_to(&initial);
+        self.place_bodies(bodies);
+        self.fill();
+        self.find_scales();
     }
 
     /// The shape of its blocks.
@@ -385,118 +395,43 @@ impl WaveletSolver {
         Ok(())
     }
 
+    /// Finds the loads on bodies where they stand, without a step.
+    ///
+    /// # Errors
+    /// If somewhere there is no density or pressure.
+    pub fn find_loads(&mut self, bodies: &[impl GasBody]) -> Result<(), NoGasError> {
+        self.loads.clear();
+        self.loads.resize(bodies.len(), TwoLoads::default());
+        self.find_rates(bodies, true)
+    }
+
     /// Rates of change of the leaves' points; ghosts are filled. The loads of bodies are found if
     /// asked for.
     fn find_rates(&mut self, bodies: &[impl GasBody], with_loads: bool) -> Result<(), NoGasError> {
         let length = self.values.fields * self.shape().points;
         self.rates.resize(self.values.own.len(), 0.0);
         let places = self.places();
-        let Self { tree, values, settings, mask, scales, rates, team, gas_rooms, .. } = self;
+        let Self { tree, values, settings, mask, scales, rates, team, gas_rooms, found, .. } = self;
         let pass =
             RatesPass { tree, values, settings, mask, scales, variant: self.variant, places };
-        let mut found: Vec<OfBlock> = Vec::new();
         found.resize_with(tree.blocks.len(), OfBlock::default);
-        let pieces = (Cut::every(rates, length), Cut::every(&mut found, 1));
+        let pieces = (Cut::every(rates, length), Cut::every(found, 1));
         team.for_pieces_with(pieces, gas_rooms, |room, slot, piece: (_, &mut [OfBlock])| {
-            piece.1[0] = pass.of_block(slot, bodies, with_loads, room, piece.0);
+            pass.find(slot, bodies, with_loads, room, piece.0, &mut piece.1[0]);
         });
         // In the order of the blocks, whichever thread found what.
-        for (slot, found) in found.into_iter().enumerate() {
+        for (slot, found) in self.found.iter().enumerate() {
             if let Some(NoGas { at, density, pressure }) = found.failed {
                 let at = places.padded_point(self.tree.blocks[slot], at);
                 return Err(NoGasError { at, density, pressure });
             }
-            for (load, more) in self.loads.iter_mut().zip(found.loads) {
-                load.by_stress.add_all(more.by_stress);
-                load.by_momentum.add_all(more.by_momentum);
+            let of_both = found.by_stress.iter().zip(&found.by_momentum);
+            for (body, (by_stress, by_momentum)) in self.mask.near(slot).iter().zip(of_both) {
+                let load = &mut self.loads[usize::from(*body)];
+                load.by_stress.add_all(*by_stress);
+                load.by_momentum.add_all(*by_momentum);
             }
         }
         Ok(())
-    }
-}
-
-/// What the rates of all blocks are found of.
-struct RatesPass<'a> {
-    tree: &'a BlockTree,
-    values: &'a BlockValues,
-    settings: &'a WaveletSettings,
-    mask: &'a BodyMask,
-    scales: &'a [f64],
-    variant: Variant,
-    places: BlockPlaces,
-}
-
-impl RatesPass<'_> {
-    /// Rates of a block's points, and its share of the loads.
-    fn of_block(
-        &self,
-        slot: usize,
-        bodies: &[impl GasBody],
-        with_loads: bool,
-        room: &mut GasRoom,
-        rates: &mut [f64],
-    ) -> OfBlock {
-        let Self { tree, values, settings, mask, places, .. } = self;
-        if tree.children[slot][0] != NONE {
-            return OfBlock::default();
-        }
-        let (shape, gas, count) = (&tree.domain.shape, &settings.gas, values.fields);
-        let block = tree.blocks[slot];
-        let pressure = (gas.heat_ratio - 1.0) * self.scales[1 + settings.dims];
-        let marks = mask.of(shape, slot);
-        let near = if marks.is_some() && with_loads { bodies } else { &[] };
-        let mut by_momentum = vec![BodyLoad::default(); near.len()];
-        let centres: Vec<_> = near.iter().map(GasBody::centre).collect();
-        let spacing = settings.spacing(block.level);
-        let mut into_bodies = marks.filter(|_| with_loads).map(|marks| MomentumIntoBodies {
-            shape,
-            spacing,
-            marks,
-            low: places.padded_point(block, [0; 3]),
-            centres: &centres,
-            loads: &mut by_momentum,
-        });
-        let of = RatesOfBlock {
-            shape,
-            gas,
-            spacing,
-            bounds: [self.scales[0], pressure].map(|scale| settings.roughness * scale),
-            padded: &values.padded[slot * count * shape.stored..][..count * shape.stored],
-            room: &mut *room,
-            rates: &mut *rates,
-            watch: into_bodies.as_mut().map(|into| into as &mut dyn FaceWatch),
-        };
-        if let Err(no_gas) = of.find(self.variant) {
-            return OfBlock { failed: Some(no_gas), loads: Vec::new() };
-        }
-        if let Some(sponge) = &settings.sponge {
-            let length = count * shape.points;
-            let own = &values.own[slot * length..][..length];
-            sponge.add(&tree.domain, places, block, own, rates);
-        }
-        if let Some(marks) = marks {
-            hold_inside(shape, marks, rates);
-        }
-        let mut by_stress = vec![BodyLoad::default(); near.len()];
-        let rest = settings.rest_pressure;
-        add_surface_loads((places, gas), block, rest, near, room, &mut by_stress);
-        let both = by_stress.into_iter().zip(by_momentum);
-        let loads = both.map(|(by_stress, by_momentum)| TwoLoads { by_stress, by_momentum });
-        OfBlock { failed: None, loads: loads.collect() }
-    }
-}
-
-/// What was found of a block besides its rates.
-#[derive(Default)]
-struct OfBlock {
-    failed: Option<NoGas>,
-    /// Of all bodies, if any come near it.
-    loads: Vec<TwoLoads>,
-}
-
-/// Points inside bodies do not change by the gas's own motion.
-fn hold_inside(shape: &BlockShape, marks: &[u16], rates: &mut [f64]) {
-    for own in (0..shape.points).filter(|&own| marks[shape.padded_place(own)] != 0) {
-        rates.iter_mut().skip(own).step_by(shape.points).for_each(|rate| *rate = 0.0);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::course::Course;
 use super::fill::Fill;
+use super::gas::GasMaterial;
 use super::reservoir::Reservoir;
 use core::f64::consts::PI;
 use schemars::JsonSchema;
@@ -183,6 +184,9 @@ pub struct FluidMaterial {
     /// Regions that hold fluid at the start; without any it fills its space and has no surface.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fill: Vec<Fill>,
+    /// The law of a gas that is compressed; a fluid that is not leaves it out of account.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gas: Option<GasMaterial>,
 }
 
 impl FluidMaterial {
@@ -198,6 +202,7 @@ impl FluidMaterial {
             inside: Vec::new(),
             outside: Vec::new(),
             fill: Vec::new(),
+            gas: None,
         }
     }
 }

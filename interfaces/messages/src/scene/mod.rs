@@ -9,6 +9,7 @@ mod domain;
 mod drag_bands;
 mod fill;
 mod gaps;
+mod gas;
 mod inlets;
 mod parts;
 mod polyhedra;
@@ -29,6 +30,7 @@ pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Outflow, Plane, Prof
 pub use drag_bands::DragBand;
 pub use fill::Fill;
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
+pub use gas::{GasMaterial, GasRegion, Shock, Vortex};
 pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use polyhedra::{Polyhedra, Polyhedron, PolyhedronPlacement, Shape};

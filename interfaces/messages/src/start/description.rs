@@ -36,7 +36,7 @@ pub struct Description {
     /// Frames that an observer wants to see.
     #[serde(default)]
     pub watches: Watches,
-    /// Unit of [`crate::control::Report::work`]: `cell updates`, `wet cells`, `grain steps`.
+    /// Unit of [`crate::control::Report::work`]: `cell updates`, `wet cells`, `points of gas`, `grain steps`.
     pub work: String,
     /// Work of one step in that unit, as far as it is known before the run; 0 where it is not.
     #[serde(default)]

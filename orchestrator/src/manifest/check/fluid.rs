@@ -3,7 +3,7 @@
 use super::super::document::{FillTable, FluidTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
-use super::probes;
+use super::{gas, probes};
 use tremie_messages::scene::{Domain, Fill, FluidMaterial};
 use tremie_messages::units::Length;
 
@@ -24,6 +24,7 @@ fn material(
 ) -> Option<FluidMaterial> {
     let at = "scene.fluid";
     let fill = fills(scene, table, domain, findings);
+    let gas = gas::gas(table, domain, findings);
     let density = findings.positive(&table.density, at, "density");
     let viscosity = findings.positive(&table.viscosity, at, "viscosity");
     let expected =
@@ -51,6 +52,10 @@ fn material(
         inside: points(&table.inside),
         outside: points(&table.outside),
         fill: fill?,
+        gas: match gas {
+            Some(gas) => Some(gas?),
+            None => None,
+        },
         expected_speed: if expected == Some(false) {
             return None;
         } else {

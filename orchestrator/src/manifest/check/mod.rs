@@ -12,6 +12,7 @@ mod domain;
 mod drag_bands;
 mod fluid;
 mod gaps;
+mod gas;
 mod hoppers;
 mod inlets;
 mod lattice;
@@ -38,8 +39,8 @@ use std::collections::BTreeSet;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
-    Area, Dashpot, Density, Frequency, Length, Mass, Pressure, Stiffness, Time, Velocity,
-    Viscosity, Volume,
+    Area, Dashpot, Density, Frequency, Length, Mass, Pressure, Stiffness, Temperature, Time,
+    Velocity, Viscosity, Volume,
 };
 use tremie_messages::{Problem, Role};
 
@@ -121,8 +122,19 @@ macro_rules! quantities {
 }
 
 quantities!(
-    Area, Dashpot, Density, Frequency, Length, Mass, Pressure, Stiffness, Time, Velocity,
-    Viscosity, Volume
+    Area,
+    Dashpot,
+    Density,
+    Frequency,
+    Length,
+    Mass,
+    Pressure,
+    Stiffness,
+    Temperature,
+    Time,
+    Velocity,
+    Viscosity,
+    Volume
 );
 
 /// A domain's corners, for messages.

@@ -1,8 +1,8 @@
 //! The manifest's tables of the domain, its faces, and the fluid.
 
-use super::AxisName;
 use super::course::CourseEntry;
 use super::forms::read_by_form;
+use super::{AxisName, GasTable};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::scene::{Outflow, Profile};
@@ -176,6 +176,10 @@ pub(in super::super) struct FluidTable {
     /// the fluid has a free surface, above which there is nothing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fill: Vec<FillTable>,
+    /// The law of a gas that is compressed, and what of it is not at rest at the start (default: the
+    /// fluid is no gas).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gas: Option<GasTable>,
 }
 
 /// A region that holds fluid at the start: what lies in the box, below the level, and inside the
