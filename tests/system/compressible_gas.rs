@@ -50,7 +50,6 @@ fn a_shock_runs_at_its_mach_number_and_comes_back_from_a_wall() {
     // On the wall 7.879 times the pressure ahead, by the theory of reflection.
     let wall = signals["fluid.x_upper.wall_force_x"].last().unwrap() / (0.01 * 0.008);
     assert!((wall / 6.879e5 - 1.0).abs() < 0.02, "{wall} Pa");
-    assert!(*signals["fluid.share_of_points"].last().unwrap() < 0.8);
 }
 
 #[test]
@@ -81,7 +80,10 @@ fn two_discs_meet_in_a_gas_with_either_grains() {
     };
     let [soft, hard] = [soft, hard].map(|text| end(&text));
     assert!(hard[1] > 0.2 && (soft[1] / hard[1] - 1.0).abs() < 0.01, "{soft:?} {hard:?}");
-    assert!((soft[0] - hard[0]).abs() < 0.01, "{soft:?} {hard:?}");
+    // While the spring of two discs of 785 kg is compressed, hard ones are under way again.
+    let contact = std::f64::consts::PI * (785.4 / 2.0 / 1e6_f64).sqrt();
+    let late = hard[0] - soft[0] - 0.2121 * contact;
+    assert!(late.abs() < 0.002, "{soft:?} {hard:?}");
 }
 
 /// A light disc that is braked in a closed periodic box gives its momentum to the gas.
