@@ -73,10 +73,9 @@ pub fn layout(shown: &Shown<'_>) -> Container {
     let words = [words("About this run", "about"), words("Signals", "about/signals")];
     let profiles = shown.profiles.iter().map(profile);
     let views = shown.cuts.iter().map(cut).chain(profiles).chain(words).map(Part::from);
-    let mut views: Vec<Part> = views.collect();
-    let after_cuts = shown.cuts.len();
-    views.splice(after_cuts..after_cuts, shown.shades.iter().map(|view| shade(view).into()));
-    let pictures = tabs("Cuts", views);
+    // What a user asked for by name comes first.
+    let shades = shown.shades.iter().map(|view| Part::from(shade(view)));
+    let pictures = tabs("Cuts", shades.chain(views));
     let mut right = Container::new(ContainerKind::Vertical, "Run").with(pictures, 5.0);
     for part in plot_parts(shown.plots, shown.end) {
         right = right.with(part, 3.0);

@@ -13,6 +13,10 @@ use tremie_messages::units::{Length, Pressure, Velocity};
 /// Streamlines where nothing else is said.
 const STREAMLINES: u32 = 120;
 
+fn is_gas(scene: &Scene) -> bool {
+    scene.fluid.as_ref().is_some_and(|fluid| fluid.gas.is_some())
+}
+
 fn has_free_surface(scene: &Scene) -> bool {
     scene.fluid.as_ref().is_some_and(|fluid| !fluid.fill.is_empty())
 }
@@ -68,11 +72,11 @@ pub struct Parameters {
     pub arrows: u32,
     /// Planes along which to cut the flow, instead of the fluid's own cut.
     pub slices: Vec<PlaneSetting>,
-    /// Quantities that colour each cut once more, in views of their own (default: none; of a gas
-    /// `schlieren`, `vorticity` and `level`).
+    /// Quantities that colour each cut once more, in views of their own before that of speed (default:
+    /// none; of a gas `schlieren`, `vorticity` and `level`).
     pub quantities: Option<Vec<CutQuantity>>,
     /// Number of streamlines; 0 for none (default: 120, but none where the fluid has a free
-    /// surface).
+    /// surface or is a gas).
     pub streamlines: Option<u32>,
     /// Plane on which streamlines begin; all over the fluid, if there is none.
     pub seeds: Option<PlaneSetting>,
@@ -157,14 +161,13 @@ impl Parameters {
     /// Quantities that colour each cut of a scene once more.
     pub(crate) fn quantities_in(&self, scene: &Scene) -> Vec<CutQuantity> {
         use CutQuantity::{Level, Schlieren, Vorticity};
-        let is_gas = scene.fluid.as_ref().is_some_and(|fluid| fluid.gas.is_some());
-        let usual = || if is_gas { vec![Schlieren, Vorticity, Level] } else { Vec::new() };
+        let usual = || if is_gas(scene) { vec![Schlieren, Vorticity, Level] } else { Vec::new() };
         self.quantities.clone().unwrap_or_else(usual)
     }
 
     /// Number of streamlines in a scene.
     pub(crate) fn streamlines_in(&self, scene: &Scene) -> u32 {
-        let usual = if has_free_surface(scene) { 0 } else { STREAMLINES };
+        let usual = if has_free_surface(scene) || is_gas(scene) { 0 } else { STREAMLINES };
         self.streamlines.unwrap_or(usual)
     }
 

@@ -5,7 +5,11 @@
 //! wavelets tolerate: at the finest level the grid cannot answer by refinement. There the flux is
 //! that of a weighted essentially non-oscillatory scheme of fifth order (Jiang and Shu 1996; weights
 //! of Borges and others 2008) with the splitting of Lax and Friedrichs. Smooth wakes have no such
-//! faces, and so no dissipation but the gas's own.
+//! faces, and so no dissipation but the gas's own. Where gas is thin beside what is largest in the
+//! domain, its own values are the measure.
+//!
+//! Where that flux could empty a point of density or pressure, the flux of first order takes its
+//! place, which cannot (Hu, Adams and Shu, *J. Comput. Phys.* 242 (2013) 169).
 
 use crate::gas::block_rates::GasRoom;
 use crate::gas::central_flux::{MOST_RUN, shifted};
@@ -14,6 +18,13 @@ use crate::grid::block_shape::BlockShape;
 
 /// Fourth difference over 16 times that is as large as a wavelet's detail.
 const DETAIL: f64 = 3.0 / 16.0;
+
+/// Detail of density or pressure as a share of what stands there that is rough, whatever stands
+/// elsewhere.
+const STEEP: f64 = 0.05;
+
+/// Share of its density or pressure that a point may lose through a face.
+const LEAST_LEFT: f64 = 0.02;
 
 /// Marks the faces above a row's points beside which a field is rough: what wavelets would be there
 /// exceeds a bound.
@@ -31,6 +42,7 @@ fn mark_rough(
     for k in 0..run {
         let below = (f0[k] + f4[k]) - 4.0 * (f1[k] + f3[k]) + 6.0 * f2[k];
         let above = (f1[k] + f5[k]) - 4.0 * (f2[k] + f4[k]) + 6.0 * f3[k];
+        let bound = bound.min(STEEP * f2[k].min(f3[k]));
         is_rough[k] |= DETAIL * below.abs().max(above.abs()) > bound;
     }
 }
@@ -72,25 +84,46 @@ fn upwind_flux(
         let sound = gas.sound_speed(fields[0][q], room.pressure[q]);
         fastest.max(room.velocity[axis][q].abs() + sound)
     });
-    std::array::from_fn(|field| {
+    let half = |field: usize, k: usize, sign: f64| {
+        let (q, along) = (at[k], room.velocity[axis][at[k]]);
+        let push = match field {
+            _ if field == 1 + axis => room.pressure[q],
+            _ if field == 1 + dims => room.pressure[q] * along,
+            _ => 0.0,
+        };
+        0.5 * (fields[field][q] * along + push + sign * speed * fields[field][q])
+    };
+    let flux = std::array::from_fn(|field| {
         if field >= dims + 2 {
             return 0.0;
         }
-        let carried = |q: usize| {
-            let along = room.velocity[axis][q];
-            let push = match field {
-                _ if field == 1 + axis => room.pressure[q],
-                _ if field == 1 + dims => room.pressure[q] * along,
-                _ => 0.0,
-            };
-            fields[field][q] * along + push
-        };
-        let half =
-            |k: usize, sign: f64| 0.5 * (carried(at[k]) + sign * speed * fields[field][at[k]]);
-        let up = [0, 1, 2, 3, 4].map(|k| half(k, 1.0));
-        let down = [5, 4, 3, 2, 1].map(|k| half(k, -1.0));
+        let up = [0, 1, 2, 3, 4].map(|k| half(field, k, 1.0));
+        let down = [5, 4, 3, 2, 1].map(|k| half(field, k, -1.0));
         weighted(up) + weighted(down)
+    });
+    let leaves_gas = [(p, -1.0), (p + stride, 1.0)].into_iter().all(|(q, sign)| {
+        let left = std::array::from_fn(|field| {
+            if field < dims + 2 { fields[field][q] + sign * flux[field] / speed } else { 0.0 }
+        });
+        is_gas(
+            dims,
+            &left,
+            LEAST_LEFT * fields[0][q],
+            LEAST_LEFT * room.pressure[q] / (gas.heat_ratio - 1.0),
+        )
+    });
+    if leaves_gas {
+        return flux;
+    }
+    std::array::from_fn(|field| {
+        if field < dims + 2 { half(field, 2, 1.0) + half(field, 3, -1.0) } else { 0.0 }
     })
+}
+
+/// True if fields are those of gas of at least a density and a heat of a volume [J/m^3].
+fn is_gas(dims: usize, fields: &[f64; MOST_FIELDS], density: f64, heat: f64) -> bool {
+    let square: f64 = fields[1..=dims].iter().map(|m| m * m).sum();
+    fields[0] > density && fields[1 + dims] - 0.5 * square / fields[0] > heat
 }
 
 /// Value between the third and the fourth of five points: three parabolas, by their smoothness.
