@@ -241,3 +241,26 @@ fn pressure_valve_with_a_rigid_ring() {
     assert!((velocity / 6.0 - 1.0).abs() < 0.01, "{velocity} m/s");
     assert!(mean("grains.valve.lift") > 1.5e-3);
 }
+
+/// The shock pushes the disc along, and its echo from the floor lifts it.
+#[test]
+fn shock_and_disc() {
+    let signals = run("examples/shock-and-disc/short.toml", &["--quiet"]).succeeded().signals();
+    let last = |name: &str| *signals[name].last().unwrap();
+    assert!(last("grains.body0_x") > 0.165 && last("grains.body0_z") > 0.052);
+    // The gas in front of the disc is brought to rest: more than behind the shock, less than on a wall.
+    let greatest = signals["fluid.greatest_pressure"].iter().copied().fold(0.0, f64::max);
+    assert!((15.0..75.0).contains(&greatest), "{greatest}");
+}
+
+/// The shock is thrown back by the curtain in part, and the discs begin to move with it.
+#[test]
+fn shock_curtain() {
+    let ran = run("examples/shock-curtain/short.toml", &["--quiet", "--until", "6 us"]);
+    let signals = ran.succeeded().signals();
+    let last = |name: &str| *signals[name].last().unwrap();
+    assert!(last("fluid.body_force_x") > 0.1 && last("grains.momentum_x") > 0.0);
+    // 3.048 times the pressure ahead is what comes.
+    assert!(last("fluid.greatest_pressure") > 1.2 * 3.048 * 82.7e3);
+    assert!(last("fluid.share_of_points") < 0.5);
+}

@@ -20,6 +20,7 @@ pub use fluid::{benchmark::benchmarks, component};
 pub use domain::parameters::{LoadName, Parameters, SpongeTable};
 pub use fluid::error::GasError;
 pub use fluid::gas_fluid::{GasFluid, GasFluidState};
+pub use report::findings::{findings, limits};
 pub use report::resolution::Resolution;
 
 pub use bodies::gas_body::{Ball, BodyLoad, GasBody, HalfSpace, SurfaceHeat};

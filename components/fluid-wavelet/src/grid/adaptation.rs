@@ -1,10 +1,10 @@
 //! Adaptation of the tree to what stands in it (Vasilyev 2003): blocks stay where wavelets are
-//! significant, and one level deeper.
+//! significant, and one level deeper where they are large.
 //!
 //! A point of a level that its parent has not has a detail: half of how far its value is from the
 //! parent's interpolation. It is significant where it exceeds the tolerance times the field's scale. The
-//! adjacent zone is all children of a block with significant points, and the neighbours that such
-//! a point is near to: what moves or steepens until the next adaptation stays in it.
+//! adjacent zone is the neighbours that such a point is near to, and the children of a block with
+//! large details: what moves or steepens until the next adaptation stays in it.
 
 use crate::grid::block_shape::{BlockShape, GHOSTS};
 use crate::grid::block_tree::{BlockAddress, BlockTree, MIDDLE, step};
@@ -15,6 +15,11 @@ use tremie_team::{Cut, Team};
 /// Points from a face within which a significant point calls for the neighbour.
 const ZONE: usize = 2;
 
+/// Details of a block, over the threshold, from which on it has children. They fall by 2^4 from level
+/// to level where a field is smooth: those of children are then a quarter of what is significant, and
+/// have room to grow until the next adaptation.
+const DEEPER: f64 = 4.0;
+
 /// What is significant in a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlockMarks {
@@ -22,6 +27,8 @@ pub struct BlockMarks {
     pub wanted: u32,
     /// Number of significant points.
     pub significant: u32,
+    /// True if its children are called for.
+    pub deeper: bool,
 }
 
 /// Marks what is significant in each block; nothing is in level 0, which is always there. Ghosts
@@ -42,6 +49,7 @@ pub fn find_marks<'a>(
         let block = tree.blocks[slot];
         if block.level > 0 {
             let mut is_significant = vec![false; shape.points];
+            let mut deeper = false;
             let hidden = hidden(slot);
             for (field, threshold) in thresholds.iter().enumerate() {
                 let parent = values.padded_field(shape, tree.parents[slot] as usize, field);
@@ -54,10 +62,11 @@ pub fn find_marks<'a>(
                     |number, place, detail| {
                         let is_seen = hidden.is_none_or(|hidden| hidden[place] == 0);
                         is_significant[number] |= is_seen && detail.abs() >= *threshold;
+                        deeper |= is_seen && detail.abs() >= DEEPER * *threshold;
                     },
                 );
             }
-            marks[0] = marks_of(shape, &is_significant);
+            marks[0] = BlockMarks { deeper, ..marks_of(shape, &is_significant) };
         }
     });
 }
@@ -124,7 +133,7 @@ pub fn wanted_blocks(tree: &BlockTree, marks: &[BlockMarks]) -> Vec<BlockAddress
     for (&block, marks) in tree.blocks.iter().zip(marks) {
         for (number, step) in domain.steps().filter(|(number, _)| marks.wanted >> number & 1 == 1) {
             wanted.extend(domain.neighbour(block, step));
-            if number == MIDDLE && block.level < domain.deepest {
+            if number == MIDDLE && marks.deeper && block.level < domain.deepest {
                 wanted.push(block.child(&domain.shape, 0));
             }
         }

@@ -33,6 +33,18 @@ impl Sponge {
             let points = domain.blocks_along(0, a) as usize * shape.edge[a];
             places.origin[a] + places.coarsest * points as f64
         });
+        // Most blocks are far from all faces.
+        let low = places.padded_point(block, shape.ghosts);
+        let high: [f64; 3] = std::array::from_fn(|a| {
+            low[a] + places.spacing(block.level) * (shape.edge[a] - 1) as f64
+        });
+        let is_near = (0..shape.dims).any(|a| {
+            self.faces[a][0] && low[a] - places.origin[a] < self.width
+                || self.faces[a][1] && upper[a] - high[a] < self.width
+        });
+        if !is_near {
+            return;
+        }
         for point in 0..shape.points {
             let at = places.padded_point(block, shape.padded_at(point));
             let mut to_face = f64::INFINITY;
