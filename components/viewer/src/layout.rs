@@ -139,8 +139,8 @@ fn cut(cut: &CutView) -> View {
 /// A cut with its legend below.
 fn shade(view: &ShadeView) -> Container {
     Container::new(ContainerKind::Vertical, &view.cut.name)
-        .with(cut(&view.cut), 6.0)
-        .with(legend(view.words, &view.legend), 1.0)
+        .with(cut(&view.cut), 5.0)
+        .with(legend(view.words, &view.legend), 2.0)
 }
 
 fn profile(view: &ProfileView) -> View {

@@ -12,7 +12,7 @@ const LAYER: f64 = 2.0;
 /// Mach number below which steps are much shorter than what the flow needs.
 const SLOW: f64 = 0.05;
 /// Steps of the gas in a window beyond which loads come late for light bodies.
-const MANY_STEPS: f64 = 20.0;
+const MANY_STEPS: f64 = 200.0;
 
 /// Findings before a run.
 pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
