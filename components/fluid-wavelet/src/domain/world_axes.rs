@@ -41,7 +41,7 @@ impl WorldAxes {
     }
 
     /// A point of the grid in the world [m].
-    pub fn to_world(&self, point: [f64; 3]) -> [f64; 3] {
+    pub fn to_world(self, point: [f64; 3]) -> [f64; 3] {
         let mut world = self.vector_to_world(point);
         if self.dims == 2 {
             world[self.order[2]] = self.through;
