@@ -249,7 +249,7 @@ fn observers_get_what_they_want_when_they_want_it() {
             ("grains/frames/signals/viewer", 100, false, 1, 2),
         ]
     );
-    let note = "fields takes 3 frames of 10 x 10 x 20 nodes from fluid: 48.0 kB each";
+    let note = "fields takes 3 frames of 10 x 10 x 20 nodes from fluid: 64.0 kB each";
     assert!(plan.notes.iter().any(|found| found.starts_with(note)), "{:?}", plan.notes);
 }
 
