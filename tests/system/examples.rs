@@ -248,9 +248,11 @@ fn shock_and_disc() {
     let signals = run("examples/shock-and-disc/short.toml", &["--quiet"]).succeeded().signals();
     let last = |name: &str| *signals[name].last().unwrap();
     assert!(last("grains.body0_x") > 0.165 && last("grains.body0_z") > 0.052);
-    // The gas in front of the disc is brought to rest: more than behind the shock, less than on a wall.
+    // A wall that throws the shock back has 51.67 times the pressure ahead. The cusp between disc and
+    // floor focuses it to more, the more the finer the grid: 82 with 32 points across the disc, 112
+    // with 64. So this has no bound above.
     let greatest = signals["fluid.greatest_pressure"].iter().copied().fold(0.0, f64::max);
-    assert!((15.0..75.0).contains(&greatest), "{greatest}");
+    assert!(greatest > 51.67, "{greatest}");
 }
 
 /// The shock is thrown back by the curtain in part, and the discs begin to move with it.

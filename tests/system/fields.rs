@@ -59,5 +59,5 @@ fn the_plan_says_how_much_fields_will_write() {
         .unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}");
-    assert!(text.contains("frames of 12 x 12 x 16 nodes from fluid: 55.3 kB each"), "{text}");
+    assert!(text.contains("frames of 12 x 12 x 16 nodes from fluid: 73.7 kB each"), "{text}");
 }
