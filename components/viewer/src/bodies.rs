@@ -1,16 +1,13 @@
 //! Bodies as spheres coloured by their speed; in a plane scene as cylinders.
 
 use crate::scale::{GREY, Scale, speed};
+use crate::session::REPEAT;
 use crate::view::{part, single};
 use rerun::components::FillMode;
 use rerun::{Color, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult};
 use tremie_messages::BodyEvent;
 use tremie_messages::frame::BodySample;
 use tremie_messages::scene::Scene;
-
-/// Frames after which radii are sent again although they did not change: a server that drops its
-/// oldest frames must not lose the only copy.
-const REPEAT: u32 = 64;
 
 /// Draws bodies, a set at a time.
 pub struct Bodies {

@@ -156,13 +156,7 @@ impl Cut {
         nodes: &[SliceNode],
         scale: &Scale,
     ) -> RecordingStreamResult<()> {
-        let colour = |node: &SliceNode| {
-            Color::from_u32(match node {
-                node if node.solid != 0 => GREY,
-                node if node.is_air() => AIR,
-                node => scale.colour(speed(node.velocity)),
-            })
-        };
+        let colour = |node: &SliceNode| node_colour(node, scale, speed(node.velocity));
         let mesh = Mesh3D::update_fields().with_vertex_colors(nodes.iter().map(colour));
         stream.log(self.path.as_str(), &mesh)?;
         if self.arrows.is_empty() {
@@ -175,6 +169,15 @@ impl Cut {
         });
         stream.log(self.arrow_path(), &Arrows3D::update_fields().with_vectors(vectors))
     }
+}
+
+/// Colour of a node whose fluid has a value: grey in a solid, dark where there is neither.
+pub fn node_colour(node: &SliceNode, scale: &Scale, value: f32) -> Color {
+    Color::from_u32(match node {
+        node if node.solid != 0 => GREY,
+        node if node.is_air() => AIR,
+        _ => scale.colour(value),
+    })
 }
 
 /// True if a point is in the box, up to rounding: the rectangle around an oblique cut reaches

@@ -2,6 +2,7 @@
 
 use crate::scale::{GREY, Scale};
 use crate::section::Mirror;
+use crate::session::REPEAT;
 use crate::view::{part, single, unit};
 use rerun::{Color, Mesh3D, RecordingStream, RecordingStreamResult};
 use std::collections::BTreeMap;
@@ -9,9 +10,6 @@ use tremie_geometry::{Frame, Turned, Vec3, triangulate};
 use tremie_messages::frame::SurfaceSample;
 use tremie_messages::scene::{DeformableSurface, Scene};
 
-/// Frames after which triangles are sent again: a server that drops its oldest frames must not lose
-/// the only copy.
-const REPEAT: u32 = 64;
 /// Cosine of the angle between facets from which on the edge between them looks sharp: 40 degrees.
 const SHARP: f64 = 0.766;
 

@@ -12,6 +12,10 @@ use tremie_sdk::{ObserverError, own_file};
 /// Version of the viewer that belongs to this crate's Rerun.
 const RERUN: &str = "0.36.3";
 
+/// Frames after which what did not change is sent again: a server that drops its oldest frames must
+/// not lose the only copy.
+pub const REPEAT: u32 = 64;
+
 /// A run being shown. Data are served while the session lives; dropping it ends the servers and
 /// completes the file.
 pub struct Session {

@@ -1,16 +1,14 @@
 //! A cut coloured by a quantity other than speed, in a view of its own with its legend.
 
-use crate::cut::Shape;
+use crate::cut::{Shape, node_colour};
 use crate::legend::Legend;
 use crate::quantity::CutQuantity;
-use crate::scale::{AIR, GREY, Map, Scale};
+use crate::scale::{Map, Scale};
+use crate::session::REPEAT;
 use crate::view::part;
-use rerun::{Color, Mesh3D, RecordingStream, RecordingStreamResult};
+use rerun::{Mesh3D, RecordingStream, RecordingStreamResult};
 use tremie_messages::frame::{SliceHeader, SliceNode};
 use tremie_messages::scene::Domain;
-
-/// Frames after which a legend's numbers are sent again.
-const REPEAT: u32 = 64;
 
 /// A cut as one quantity shows it.
 pub struct Shade {
@@ -61,13 +59,7 @@ impl Shade {
             self.legend.log_numbers(stream, &self.scale)?;
         }
         self.age = (self.age + 1) % REPEAT;
-        let colour = |(value, node): (&f32, &SliceNode)| {
-            Color::from_u32(match node {
-                node if node.solid != 0 => GREY,
-                node if node.is_air() => AIR,
-                _ => self.scale.colour(*value),
-            })
-        };
+        let colour = |(value, node): (&f32, &SliceNode)| node_colour(node, &self.scale, *value);
         let mesh = Mesh3D::update_fields().with_vertex_colors(pairs().map(colour));
         stream.log(self.path.as_str(), &mesh)
     }

@@ -11,7 +11,7 @@ use crate::profiles::Profiles;
 use crate::rates::Rates;
 use crate::rubber::{self, Rubber};
 use crate::scale::{Map, Scale};
-use crate::session::Session;
+use crate::session::{REPEAT, Session};
 use crate::shade::Shade;
 use crate::signals::Plot;
 use crate::solids::Solids;
@@ -35,8 +35,6 @@ use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 const TIME: &str = "sim_time";
 /// Timeline of coupling windows.
 const WINDOW: &str = "window";
-/// Frames after which the legend's numbers are sent again, for servers that drop the oldest frames.
-const REPEAT: u32 = 64;
 /// Frames after which a file is asked whether it still takes them.
 const LOOK: u64 = 16;
 

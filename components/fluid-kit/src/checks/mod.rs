@@ -5,5 +5,6 @@ pub mod gap_width_check;
 pub mod grain_space_check;
 pub mod material_check;
 pub mod mended_part;
+pub mod no_threads;
 pub mod part_extent;
 pub mod smallest_body;

@@ -24,6 +24,7 @@ use tremie_fluid_kit::bodies::body_registry::BodyRegistry;
 use tremie_fluid_kit::bodies::part_way::part_way;
 use tremie_fluid_kit::cells::flattened::flattened;
 use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::checks::no_threads::no_threads;
 use tremie_fluid_kit::probes::probe_plan::{ProbePlan, ProbeSum};
 use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
@@ -167,9 +168,6 @@ impl<const D: usize> PicFluid<D> {
             gap_damping: parameters.gap_damping(),
         };
         let at_rest = solids_at_rest(scene, ground, section);
-        let no_threads = |error: std::io::Error| {
-            vec![Problem::new("components", format!("the system gives no threads: {error}"))]
-        };
         let mut solver = PicSolver::new(grid, settings, threads, faces.open.clone(), at_rest)
             .map_err(no_threads)?;
         let reader = Team::new("fluid-pic-probes", 1).map_err(no_threads)?;

@@ -97,11 +97,6 @@ impl BodyMask {
         &self.numbers[begin as usize..end as usize]
     }
 
-    /// Number of the bodies near each block, in the order of the blocks.
-    pub fn near_counts(&self) -> impl Iterator<Item = usize> + '_ {
-        self.near.iter().map(|[begin, end]| (end - begin) as usize)
-    }
-
     /// Marks of a block's points, ghosts included, if bodies come near it.
     pub fn of(&self, shape: &BlockShape, slot: usize) -> Option<&[u16]> {
         let first = (*self.first.get(slot)?)? as usize;

@@ -38,11 +38,7 @@ pub struct Ball {
 
 impl GasBody for Ball {
     fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
-        let apart = self.arm(at);
-        let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // The centre has no direction, and nothing depends on one there.
-        let normal = if distance > 0.0 { apart.map(|x| x / distance) } else { [1.0, 0.0, 0.0] };
-        (distance - self.radius, normal)
+        ball_height(self.arm(at), self.radius)
     }
 
     fn velocity(&self, at: [f64; 3]) -> [f64; 3] {
@@ -70,8 +66,7 @@ pub struct HalfSpace {
 
 impl GasBody for HalfSpace {
     fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
-        let height = (0..3).map(|a| (at[a] - self.point[a]) * self.normal[a]).sum();
-        (height, self.normal)
+        half_space_height(self.arm(at), self.normal)
     }
 
     fn velocity(&self, _: [f64; 3]) -> [f64; 3] {
@@ -85,6 +80,21 @@ impl GasBody for HalfSpace {
     fn heat(&self) -> SurfaceHeat {
         self.heat
     }
+}
+
+/// Distance of a point from a ball's surface, and the normal there; the point is seen from the
+/// centre.
+pub fn ball_height(apart: [f64; 3], radius: f64) -> (f64, [f64; 3]) {
+    let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // The centre has no direction, and nothing depends on one there.
+    let normal = if distance > 0.0 { apart.map(|x| x / distance) } else { [1.0, 0.0, 0.0] };
+    (distance - radius, normal)
+}
+
+/// Distance of a point from a half space's surface, and its normal; the point is seen from one of the
+/// surface.
+pub fn half_space_height(apart: [f64; 3], normal: [f64; 3]) -> (f64, [f64; 3]) {
+    ((0..3).map(|a| apart[a] * normal[a]).sum(), normal)
 }
 
 /// Cross product.

@@ -17,6 +17,7 @@ use crate::solver::observed_point::ObservedPoint;
 use crate::solver::wavelet_solver::{TwoLoads, WaveletSettings, WaveletSolver};
 use tremie_fluid_kit::bodies::body_registry::BodyRegistry;
 use tremie_fluid_kit::bodies::part_way::part_way;
+use tremie_fluid_kit::checks::no_threads::no_threads;
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 
@@ -85,8 +86,8 @@ impl GasFluidState {
 }
 
 impl GasFluid {
-    /// A gas without moving bodies, on `threads` threads (the caller's included). `time_step` [s] is
-    /// what the plan assigned.
+    /// A gas that [`GasFluid::start`] has yet to fill in, on `threads` threads (the caller's
+    /// included). `time_step` [s] is what the plan assigned.
     ///
     /// # Errors
     /// Every problem of parameters and scene.
@@ -119,12 +120,7 @@ impl GasFluid {
             rest_pressure: initial.rest.pressure,
             ..WaveletSettings::new(axes.dims, initial.law)
         };
-        let start = GasStart { axes, initial: &initial };
-        let solver = WaveletSolver::new(settings, threads, solids.at_rest(), |at| start.at(at));
-        let no_threads = |error: std::io::Error| {
-            vec![Problem::new("components", format!("the system gives no threads: {error}"))]
-        };
-        let solver = solver.map_err(no_threads)?;
+        let solver = WaveletSolver::empty(settings, threads).map_err(no_threads)?;
         let probes = GasProbes::new(scene, axes, resolution.points, resolution.cell);
         Ok(Self {
             bodies: solids.at_rest().to_vec(),
@@ -346,11 +342,10 @@ impl GasFluid {
         std::array::from_fn(|a| if a < self.axes.dims { point[self.axes.order[a]] } else { 0 })
     }
 
-    /// The gas at one of them; the velocity and its curl along the world's axes.
+    /// The gas at one of them; the velocity along the world's axes.
     pub fn observed(&self, point: [usize; 3]) -> ObservedPoint {
         let mut seen = self.solver.observed(self.observed_level, self.own(point));
         seen.state.velocity = self.axes.vector_to_world(seen.state.velocity);
-        seen.vorticity = self.axes.turn_to_world(seen.vorticity);
         seen
     }
 

@@ -1,6 +1,6 @@
 //! The solids of a scene as the gas meets them: parts, planes, polyhedra, round bodies.
 
-use crate::bodies::gas_body::{GasBody, SurfaceHeat, cross};
+use crate::bodies::gas_body::{GasBody, ball_height, cross, half_space_height};
 use crate::domain::world_axes::WorldAxes;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -80,16 +80,8 @@ impl SceneBody {
 impl GasBody for SceneBody {
     fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
         match &self.shape {
-            BodyShape::Ball(radius) => {
-                let apart = self.arm(at);
-                let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
-                let normal =
-                    if distance > 0.0 { apart.map(|x| x / distance) } else { [1.0, 0.0, 0.0] };
-                (distance - radius, normal)
-            }
-            BodyShape::HalfSpace(normal) => {
-                ((0..3).map(|a| (at[a] - self.centre[a]) * normal[a]).sum(), *normal)
-            }
+            BodyShape::Ball(radius) => ball_height(self.arm(at), *radius),
+            BodyShape::HalfSpace(normal) => half_space_height(self.arm(at), *normal),
             BodyShape::Solid(solid) => solid.height(self.image(at)),
         }
     }
@@ -102,10 +94,6 @@ impl GasBody for SceneBody {
     fn arm(&self, at: [f64; 3]) -> [f64; 3] {
         let at = self.image(at);
         std::array::from_fn(|a| at[a] - self.centre[a])
-    }
-
-    fn heat(&self) -> SurfaceHeat {
-        SurfaceHeat::Adiabatic
     }
 }
 

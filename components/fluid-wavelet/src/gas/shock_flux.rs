@@ -23,7 +23,7 @@ const DETAIL: f64 = 3.0 / 16.0;
 /// elsewhere.
 const STEEP: f64 = 0.05;
 
-/// Share of its density or pressure that a point may lose through a face.
+/// Share of its density and pressure that a face leaves a point at least.
 const LEAST_LEFT: f64 = 0.02;
 
 /// Marks the faces above a row's points beside which a field is rough: what wavelets would be there

@@ -98,7 +98,8 @@ impl Parameters {
         if !problems.is_empty() {
             return Err(problems);
         }
-        Ok(self.come_to(scene, axes, levels, &initial, (first_points, memory)))
+        let across = [across_smallest, across_thinnest];
+        Ok(self.come_to(scene, axes, levels, &initial, across, (first_points, memory)))
     }
 
     fn come_to(
@@ -107,6 +108,7 @@ impl Parameters {
         axes: WorldAxes,
         levels: u8,
         initial: &InitialGas,
+        [across_smallest, across_thinnest]: [Option<f64>; 2],
         (first_points, memory): (f64, f64),
     ) -> Resolution {
         let h = self.cell.0;
@@ -124,7 +126,6 @@ impl Parameters {
             None => stable,
         };
         let fluid = scene.fluid.as_ref().expect("a scene that was checked has a fluid");
-        let across_smallest = smallest_diameter(scene).map(|width| width / h);
         let speed = fluid.expected_speed.filter(|speed| *speed > 0.0);
         let in_layer = (!self.inviscid).then_some(()).and(speed).zip(across_smallest);
         let in_layer = in_layer.map(|(speed, across)| {
@@ -150,7 +151,7 @@ impl Parameters {
             first_points,
             mach,
             across_smallest,
-            across_thinnest: thinnest_width(scene).map(|width| width / h),
+            across_thinnest,
             in_layer,
             memory_bytes: memory as u64,
         }

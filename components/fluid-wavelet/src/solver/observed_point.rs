@@ -1,7 +1,6 @@
 //! The gas at any point of a regular grid, as observers see it.
 
 use crate::gas::gas_law::{GasState, MOST_FIELDS};
-use crate::gas::viscous_flux::at_point;
 use crate::grid::block_tree::{BlockAddress, NONE};
 use crate::solver::wavelet_solver::WaveletSolver;
 
@@ -14,10 +13,6 @@ pub struct ObservedPoint {
     pub level: u8,
     /// The body in which it lies, by its number.
     pub body: Option<u16>,
-    /// Length of the density's gradient [kg/m^4].
-    pub density_slope: f64,
-    /// Curl of the velocity [1/s].
-    pub vorticity: [f64; 3],
 }
 
 impl WaveletSolver {
@@ -28,7 +23,7 @@ impl WaveletSolver {
     }
 
     /// The gas at a point of the grid of a level: linear between the points of the finest block
-    /// there that is not finer than the level; slopes are those at the nearest of them.
+    /// there that is not finer than the level.
     pub fn observed(&self, level: u8, at: [usize; 3]) -> ObservedPoint {
         let shape = self.shape();
         let (slot, place, part) = self.block_at(level, at);
@@ -55,28 +50,7 @@ impl WaveletSolver {
         let marks = self.mask.of(&shape, slot);
         let body = marks.map_or(0, |marks| marks[nearest]).checked_sub(1);
         let state = gas.state(dims, &fields);
-        let own = self.tree.blocks[slot].level;
-        let per = 1.0 / self.settings.spacing(own);
-        let density = field(0);
-        let slope = |field: &[f64], a: usize| {
-            if a < dims { per * at_point(field, nearest, shape.stride[a]) } else { 0.0 }
-        };
-        let of_density = [0, 1, 2].map(|a| slope(density, a));
-        // Slope of the velocity along a, by that of momentum along b.
-        let of_velocity = |a: usize, b: usize| {
-            if a >= dims {
-                return 0.0;
-            }
-            (slope(field(1 + a), b) - state.velocity[a] * of_density[b]) / state.density
-        };
-        let curl = |a: usize, b: usize| of_velocity(b, a) - of_velocity(a, b);
-        ObservedPoint {
-            state,
-            level: self.leaf_level(slot, place),
-            body,
-            density_slope: of_density.iter().map(|x| x * x).sum::<f64>().sqrt(),
-            vorticity: [curl(1, 2), curl(2, 0), curl(0, 1)],
-        }
+        ObservedPoint { state, level: self.leaf_level(slot, place), body }
     }
 
     /// Level of the leaf that holds a point of a block.

@@ -159,11 +159,21 @@ impl WaveletSolver {
         bodies: &[impl GasBody],
         initial: impl Fn([f64; 3]) -> GasState,
     ) -> std::io::Result<Self> {
+        let mut solver = Self::empty(settings, threads)?;
+        solver.begin(bodies, initial);
+        Ok(solver)
+    }
+
+    /// A solver that [`WaveletSolver::begin`] has yet to fill with gas.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn empty(settings: WaveletSettings, threads: usize) -> std::io::Result<Self> {
         let tree = BlockTree::new(settings.domain(), []);
         let shape = tree.domain.shape;
         let team = Team::new("fluid-wavelet", threads)?;
         let threads = team.threads();
-        let mut solver = Self {
+        Ok(Self {
             settings,
             values: BlockValues::new(&tree, field_count(settings.dims)),
             tree,
@@ -183,9 +193,7 @@ impl WaveletSolver {
             fill_rooms: (0..threads).map(|_| FillRoom::new(&shape)).collect(),
             gas_rooms: (0..threads).map(|_| GasRoom::new(&shape)).collect(),
             found: Vec::new(),
-        };
-        solver.begin(bodies, initial);
-        Ok(solver)
+        })
     }
 
     /// Begins anew at time 0, in the state `initial` gives at each place.

@@ -52,10 +52,7 @@ fn material(
         inside: points(&table.inside),
         outside: points(&table.outside),
         fill: fill?,
-        gas: match gas {
-            Some(gas) => Some(gas?),
-            None => None,
-        },
+        gas: gas::if_there(gas)?,
         expected_speed: if expected == Some(false) {
             return None;
         } else {
@@ -117,15 +114,7 @@ fn fill_region(
             return None;
         }
     }
-    let is_empty =
-        |a: usize| min[a] >= max[a] || max[a] <= domain.min[a] || min[a] >= domain.max[a];
-    if let Some(axis) = (0..3).find(|&a| is_empty(a)) {
-        let name = ["x", "y", "z"][axis];
-        let message = format!(
-            "holds no point: along {name} it goes from {} m to {} m, in a domain from {} m to {} m",
-            min[axis], max[axis], domain.min[axis], domain.max[axis]
-        );
-        findings.problem(at, message);
+    if !holds_points([&min, &max], domain, at, findings) {
         return None;
     }
     Some(Fill {
@@ -134,6 +123,25 @@ fn fill_region(
         part: table.part.clone(),
         velocity: table.velocity.map(|v| v.map(|v| v.0)),
     })
+}
+
+/// True if a region of these corners has points in the domain; a problem if not.
+pub(super) fn holds_points(
+    [min, max]: [&[f64; 3]; 2],
+    domain: &Domain,
+    at: &str,
+    findings: &mut Findings,
+) -> bool {
+    let is_empty =
+        |a: usize| min[a] >= max[a] || max[a] <= domain.min[a] || min[a] >= domain.max[a];
+    let Some(axis) = (0..3).find(|&a| is_empty(a)) else { return true };
+    let name = ["x", "y", "z"][axis];
+    let message = format!(
+        "holds no point: along {name} it goes from {} m to {} m, in a domain from {} m to {} m",
+        min[axis], max[axis], domain.min[axis], domain.max[axis]
+    );
+    findings.problem(at, message);
+    false
 }
 
 /// The axis along which gravity acts downwards, for a level.

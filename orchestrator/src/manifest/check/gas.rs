@@ -5,7 +5,7 @@ use super::super::document::{
 };
 use super::super::path;
 use super::super::read::Findings;
-use super::probes;
+use super::{fluid, probes};
 use tremie_messages::scene::{Domain, GasMaterial, GasRegion, Shock, Vortex};
 use tremie_messages::units::Velocity;
 
@@ -13,11 +13,11 @@ const AT: &str = "scene.fluid.gas";
 
 /// The gas, if the fluid is one; inside it is `None` where it is wrong.
 pub(super) fn gas(
-    fluid: &FluidTable,
+    table: &FluidTable,
     domain: Option<&Domain>,
     findings: &mut Findings,
 ) -> Option<Option<GasMaterial>> {
-    fluid.gas.as_ref().map(|gas| material(fluid, gas, domain, findings))
+    table.gas.as_ref().map(|gas| material(table, gas, domain, findings))
 }
 
 fn material(
@@ -47,18 +47,14 @@ fn material(
         prandtl: prandtl?,
         sutherland: is_warm.then_some(sutherland.0)?,
         regions: regions.into_iter().collect::<Option<_>>()?,
-        shock: required(shock)?,
-        vortex: required(vortex)?,
+        shock: if_there(shock)?,
+        vortex: if_there(vortex)?,
     })
 }
 
 /// What a table came to: nothing where there is none, `None` where it is wrong.
-fn required<T>(of: Option<Option<T>>) -> Option<Option<T>> {
-    match of {
-        Some(None) => None,
-        Some(found) => Some(found),
-        None => Some(None),
-    }
+pub(super) fn if_there<T>(of: Option<Option<T>>) -> Option<Option<T>> {
+    of.map_or(Some(None), |found| found.map(Some))
 }
 
 fn above(key: &str, value: f64, least: f64, findings: &mut Findings) -> Option<f64> {
@@ -82,15 +78,7 @@ fn region_of(
     let domain = domain?;
     let min = table.min.map_or(domain.min, |min| min.map(|x| x.0));
     let max = table.max.map_or(domain.max, |max| max.map(|x| x.0));
-    let is_empty =
-        |a: usize| min[a] >= max[a] || max[a] <= domain.min[a] || min[a] >= domain.max[a];
-    if let Some(axis) = (0..3).find(|&a| is_empty(a)) {
-        let name = ["x", "y", "z"][axis];
-        let message = format!(
-            "holds no point: along {name} it goes from {} m to {} m, in a domain from {} m to {} m",
-            min[axis], max[axis], domain.min[axis], domain.max[axis]
-        );
-        findings.problem(at, message);
+    if !fluid::holds_points([&min, &max], domain, at, findings) {
         return None;
     }
     let velocity = table.velocity.or(fluid.velocity).unwrap_or([Velocity(0.0); 3]);
