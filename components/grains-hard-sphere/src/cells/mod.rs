@@ -1,3 +1,4 @@
 //! Linked cells whose bodies come and go one by one.
 
 pub mod body_cells;
+pub mod end_rows;

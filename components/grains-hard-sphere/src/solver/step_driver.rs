@@ -14,6 +14,7 @@
 use crate::Vec3;
 use crate::bodies::hard_body::{HardBody, NEVER};
 use crate::bodies::hard_parts::PartTouch;
+use crate::cells::end_rows::EndRows;
 use crate::impact::approach::{Approach, first_landing};
 use crate::impact::collision::{Collider, ImpactLaw};
 use crate::impact::guards::Guard;
@@ -90,6 +91,8 @@ pub struct StepDriver {
     /// Where each body stood when the step began, and where it ends it [m].
     starts: Vec<Vec3>,
     ends: Vec<Vec3>,
+    /// The latter by cells.
+    rows: EndRows,
     /// Collisions of each body in this step.
     hits: Vec<u16>,
     /// Mean velocity through the last step of bodies that a lasting contact carried [m/s].
@@ -114,6 +117,7 @@ impl StepDriver {
             accelerations: system.bodies.iter().map(weight).collect(),
             starts: vec![Vec3::zeros(); n],
             ends: vec![Vec3::zeros(); n],
+            rows: EndRows::new(&system.cells, n),
             hits: vec![0; n],
             shown: vec![Vec3::zeros(); n],
             blocks: (0..n.div_ceil(BLOCK)).map(|_| DetectionBlock::default()).collect(),
@@ -150,18 +154,24 @@ impl StepDriver {
             self.ends[i] = cells.bounds.wrap(body.position(self.step));
             cells.relocate(i, cells.cell_of(self.ends[i]));
         }
+        self.rows.fill(cells, &self.ends, |i| bodies[i].radius);
     }
 
     /// Finds all that touch in the step.
     fn detect(&mut self, system: &HardSystem, team: &mut Team) {
-        let (ends, step) = (&self.ends, self.step);
+        let (ends, step, rows) = (&self.ends, self.step, &self.rows);
+        let (count, blocks) = (EndRows::rows(&system.cells), self.blocks.len());
         team.work_alone(ends.len() < ALONE);
         team.for_each(&mut self.blocks, |b, block| {
-            block.found.clear();
+            let DetectionBlock { found, triangles } = block;
+            found.clear();
+            for row in b * count / blocks..(b + 1) * count / blocks {
+                rows.overlaps(&system.cells, row, |i, j| {
+                    found.extend(touch_of_pair(system, i, j, step));
+                });
+            }
             for i in b * BLOCK..ends.len().min((b + 1) * BLOCK) {
-                let DetectionBlock { found, triangles } = block;
-                let is_met = |j: usize| j > i || !system.bodies[j].is_free();
-                look(system, (ends, step), i, is_met, triangles, |event| found.push(event));
+                look_at_solids(system, (ends, step), i, triangles, |event| found.push(event));
             }
         });
         for block in &self.blocks {
@@ -304,7 +314,8 @@ impl StepDriver {
         self.ends[i] = system.cells.bounds.wrap(system.bodies[i].position(self.step));
         system.cells.relocate(i, system.cells.cell_of(self.ends[i]));
         let Self { ends, events, triangles, step, .. } = self;
-        look(system, (ends, *step), i, |_| true, triangles, |event| events.push(event));
+        look_at_bodies(system, (ends, *step), i, |event| events.push(event));
+        look_at_solids(system, (ends, *step), i, triangles, |event| events.push(event));
     }
 
     /// Bodies are where the step ends.
@@ -337,13 +348,50 @@ struct Touch {
     since: f64,
 }
 
-/// Finds what a body touches in the rest of a step: bodies that `is_met` names, walls, parts.
-#[inline(always)]
-fn look(
+/// A touch of a body as it is now.
+fn event_of(system: &HardSystem, i: usize, moment: f64, touched: Touched) -> StepEvent {
+    StepEvent { moment, body: i as u32, stamp: system.bodies[i].stamp, touched }
+}
+
+/// The touch of two bodies that overlap at the end of a step, if one of them is free.
+fn touch_of_pair(system: &HardSystem, i: usize, j: usize, step: f64) -> Option<StepEvent> {
+    let is_free = |k: usize| system.bodies[k].is_free();
+    // It is that of the body with the smaller number, or of the free one.
+    let (i, j) = if is_free(i) && (i < j || !is_free(j)) { (i, j) } else { (j, i) };
+    if !is_free(i) {
+        return None;
+    }
+    let (body, other) = (&system.bodies[i], &system.bodies[j]);
+    let moment = touch_of(system, body, other, step)?;
+    Some(event_of(system, i, moment, Touched::Body(j as u32, other.stamp)))
+}
+
+/// Finds the bodies that a body touches in the rest of a step.
+fn look_at_bodies(
     system: &HardSystem,
     (ends, step): (&[Vec3], f64),
     i: usize,
-    is_met: impl Fn(usize) -> bool,
+    mut found: impl FnMut(StepEvent),
+) {
+    let body = &system.bodies[i];
+    system.cells.around(system.cells.home(i), |j, shift| {
+        let other = &system.bodies[j];
+        let reach = body.radius + other.radius;
+        if (ends[j] + shift - ends[i]).norm_squared() >= reach * reach || j == i {
+            return;
+        }
+        if let Some(moment) = touch_of(system, body, other, step) {
+            found(event_of(system, i, moment, Touched::Body(j as u32, other.stamp)));
+        }
+    });
+}
+
+/// Finds the walls and parts that a body touches in the rest of a step.
+#[inline(always)]
+fn look_at_solids(
+    system: &HardSystem,
+    (ends, step): (&[Vec3], f64),
+    i: usize,
     triangles: &mut Vec<u32>,
     mut found: impl FnMut(StepEvent),
 ) {
@@ -351,23 +399,6 @@ fn look(
     if !body.is_free() {
         return;
     }
-    let event = |moment: f64, touched: Touched| StepEvent {
-        moment,
-        body: i as u32,
-        stamp: body.stamp,
-        touched,
-    };
-    system.cells.around(system.cells.home(i), |j, shift| {
-        let other = &system.bodies[j];
-        let reach = body.radius + other.radius;
-        let square = (ends[j] + shift - ends[i]).norm_squared();
-        if square >= reach * reach || j == i || !is_met(j) {
-            return;
-        }
-        if let Some(moment) = touch_of(system, body, other, step) {
-            found(event(moment, Touched::Body(j as u32, other.stamp)));
-        }
-    });
     for (k, wall) in system.walls.walls.iter().enumerate() {
         let n = &wall.normal;
         let height = |x: Vec3| x.dot(n) - wall.offset - body.radius;
@@ -376,13 +407,13 @@ fn look(
         }
         let (h, u, g) = (height(body.x), body.path_velocity().dot(n), body.a.dot(n));
         if let Some(s) = first_landing(h, u, g, step - body.time) {
-            found(event(body.time + s, Touched::Wall(k as u32)));
+            found(event_of(system, i, body.time + s, Touched::Wall(k as u32)));
         }
     }
     if !system.parts.is_empty()
         && let Some(touch) = system.parts.first_in_step(body, ends[i], step, triangles)
     {
-        found(event(touch.moment, Touched::Part(touch)));
+        found(event_of(system, i, touch.moment, Touched::Part(touch)));
     }
 }
 
