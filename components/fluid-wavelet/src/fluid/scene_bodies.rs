@@ -101,7 +101,7 @@ impl GasBody for SceneBody {
 #[derive(Clone, Debug)]
 struct Shape {
     surface: Arc<Surface>,
-    /// Volume for a size of one; of parts in a plane scene, what its depth cuts out [m³].
+    /// Volume for a size of one [m³].
     volume: f64,
 }
 
@@ -143,7 +143,7 @@ impl SceneBodies {
             polyhedra: scene.shapes.iter().map(|shape| polyhedron(&shape.vertices)).collect(),
             at_rest: Vec::new(),
         };
-        own.parts = moving.into_iter().map(|surface| Some(own.part_shape(surface?))).collect();
+        own.parts = moving.into_iter().map(|surface| Some(part_shape(surface?))).collect();
         for (index, part) in scene.parts.iter().enumerate() {
             if part.motion != Motion::Fixed {
                 continue;
@@ -152,9 +152,9 @@ impl SceneBodies {
                 Ok(surface) => {
                     let surface = if part.cavity { surface.inside_out() } else { surface };
                     let frame = start_frame(part, &surface);
-                    let shape = own.part_shape(Arc::new(surface));
+                    let shape = part_shape(Arc::new(surface));
                     let centre = axes.along(frame.to_world([0.0; 3]).into());
-                    let body = own.solid(&shape, frame, 1.0, centre);
+                    let body = own.part(&shape, frame, centre);
                     own.at_rest.push(body);
                 }
                 Err(error) => {
@@ -177,17 +177,16 @@ impl SceneBodies {
         &self.at_rest
     }
 
-    fn part_shape(&self, surface: Arc<Surface>) -> Shape {
-        let whole = surface.volume_and_centroid().0.abs();
-        let volume = match self.depth {
-            Some(depth) => {
-                let across = self.axes.order[2];
-                let along = std::array::from_fn(|a| if a == across { 1.0 } else { 0.0 });
-                whole * depth / surface.width_along(along)
-            }
-            None => whole,
-        };
-        Shape { surface, volume }
+    /// A part where it is. In a plane scene it displaces what the depth cuts out of it.
+    fn part(&self, shape: &Shape, frame: Frame, centre: [f64; 3]) -> SceneBody {
+        let mut body = self.solid(shape, frame, 1.0, centre);
+        if let Some(depth) = self.depth {
+            let across = self.axes.order[2];
+            let along = std::array::from_fn(|a| if a == across { 1.0 } else { 0.0 });
+            let own = frame.turn_to_part(along);
+            body.volume *= depth / shape.surface.width_along(own.into());
+        }
+        body
     }
 
     fn body_at(&self, shape: BodyShape, centre: [f64; 3], volume: f64) -> SceneBody {
@@ -227,7 +226,7 @@ impl SceneBodies {
             (BodyEvent::PART, _) => {
                 let part = self.parts.get(table).and_then(Option::as_ref);
                 let part = part.ok_or_else(|| wrong("it is no part that moves"))?;
-                self.solid(part, frame, 1.0, centre)
+                self.part(part, frame, centre)
             }
             (BodyEvent::POLYHEDRON, _) => {
                 let shape = self.polyhedra.get(table).and_then(Option::as_ref);
@@ -242,6 +241,12 @@ impl SceneBodies {
     }
 }
 
+/// A part in its own frame.
+fn part_shape(surface: Arc<Surface>) -> Shape {
+    let volume = surface.volume_and_centroid().0.abs();
+    Shape { surface, volume }
+}
+
 /// A polyhedron of unit size.
 fn polyhedron(vertices: &[[f64; 3]]) -> Option<Shape> {
     let convex = Convex::hull(vertices).ok()?.unit();
@@ -253,7 +258,7 @@ fn polyhedron(vertices: &[[f64; 3]]) -> Option<Shape> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tremie_messages::scene::{Domain, Face};
+    use tremie_messages::scene::{Domain, Face, Geometry};
 
     #[test]
     fn a_ball_near_a_periodic_face_is_seen_from_both_ends() {
@@ -276,5 +281,23 @@ mod tests {
         let ball = bodies.body(&event, &state).expect("a cylinder");
         assert!((ball.height([0.1, 0.4, 0.0]).0 - 0.05).abs() < 1e-12);
         assert!((ball.arm([0.02, 0.4, 0.0])[0] - 0.07).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_turned_part_displaces_what_the_depth_cuts_out_of_it() {
+        let mut domain = Domain::new([0.0; 3], [1.0, 0.1, 1.0], Face::WALLS);
+        domain.across = Some(1);
+        let scene = Scene::empty(domain);
+        let bodies = SceneBodies::new(&scene, WorldAxes::of(&scene)).expect("no parts");
+        let block = Surface::of(&Geometry::Box { size: [0.1, 0.2, 0.3] }).expect("a box");
+        let shape = part_shape(Arc::new(block));
+        // A quarter of a turn about x: its own z lies across the plane.
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        for (orientation, section) in [([0.0, 0.0, 0.0, 1.0], 0.03), ([half, 0.0, 0.0, half], 0.02)]
+        {
+            let frame = Frame::of(&Pose { position: [0.5, 0.05, 0.5], orientation });
+            let part = bodies.part(&shape, frame, [0.5, 0.5, 0.05]);
+            assert!((part.volume - section * 0.1).abs() < 1e-15, "{}", part.volume);
+        }
     }
 }
