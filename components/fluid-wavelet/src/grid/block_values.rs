@@ -6,6 +6,7 @@
 
 use crate::grid::block_shape::BlockShape;
 use crate::grid::block_tree::{BlockAddress, BlockTree, NONE, step};
+use crate::grid::short_copy::copy_row;
 use tremie_team::{Cut, Team};
 
 /// Fields at the points of a tree's blocks. A block's fields lie one after the other.
@@ -177,7 +178,7 @@ fn fill_field<'a>(
             }
             for row in shape.rows(from, to) {
                 let row = row..row + to[0] - from[0];
-                out[row.clone()].copy_from_slice(&room.predicted[row]);
+                copy_row(&room.predicted[row.clone()], &mut out[row]);
             }
         }
     }
@@ -211,7 +212,7 @@ fn copy_region(
         for y in 0..to[1] - from[1] {
             let own = source[0] + shape.edge[0] * (source[1] + y + shape.edge[1] * (source[2] + z));
             let row = shape.place([from[0], from[1] + y, from[2] + z]);
-            out[row..row + run].copy_from_slice(&beside[own..own + run]);
+            copy_row(&beside[own..own + run], &mut out[row..row + run]);
         }
     }
 }

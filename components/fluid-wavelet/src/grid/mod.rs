@@ -5,3 +5,4 @@ pub mod block_shape;
 pub mod block_tree;
 pub mod block_values;
 pub mod prediction;
+pub mod short_copy;

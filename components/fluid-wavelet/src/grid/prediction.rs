@@ -41,27 +41,55 @@ pub fn parent_point(edge: usize, half: usize, point: usize) -> (usize, bool) {
 
 /// Interpolates along one axis.
 fn refine_along(shape: &BlockShape, axis: usize, half: usize, from: &[f64], to: &mut [f64]) {
-    let (edge, stride) = (shape.edge[axis], shape.stride[axis]);
+    if axis == 0 {
+        return refine_rows(shape, half, from, to);
+    }
+    let (edge, stride, run) = (shape.edge[axis], shape.stride[axis], shape.padded[0]);
     let mut end = shape.padded;
     end[axis] = 1;
     for point in 0..shape.padded[axis] {
         let (below, is_between) = parent_point(edge, half, point);
         for row in shape.rows([0; 3], end) {
             let (at, source) = (row + point * stride, row + below * stride);
-            let run = if axis == 0 { 1 } else { shape.padded[0] };
+            let of = |first: usize| &from[first..first + run];
+            let to = &mut to[at..at + run];
             if is_between {
-                let of = |first: usize| &from[first..first + run];
                 let (f0, f1) = (of(source - stride), of(source));
                 let (f2, f3) = (of(source + stride), of(source + 2 * stride));
-                let to = &mut to[at..at + run];
                 for k in 0..run {
-                    to[k] = (9.0 * (f1[k] + f2[k]) - (f0[k] + f3[k])) * (1.0 / 16.0);
+                    to[k] = between([f0[k], f1[k], f2[k], f3[k]]);
                 }
             } else {
-                to[at..at + run].copy_from_slice(&from[source..source + run]);
+                to.copy_from_slice(of(source));
             }
         }
     }
+}
+
+/// Interpolates along x, row by row.
+fn refine_rows(shape: &BlockShape, half: usize, from: &[f64], to: &mut [f64]) {
+    let first = parent_point(shape.edge[0], half, 0);
+    let run = shape.padded[0];
+    for row in shape.rows([0; 3], [1, shape.padded[1], shape.padded[2]]) {
+        let (from, to) = (&from[row..row + run], &mut to[row..row + run]);
+        let (mut below, mut is_between) = first;
+        for to in to {
+            if is_between {
+                let of = &from[below - 1..below + 3];
+                *to = between([of[0], of[1], of[2], of[3]]);
+                below += 1;
+            } else {
+                *to = from[below];
+            }
+            is_between = !is_between;
+        }
+    }
+}
+
+/// The value in the middle of four points.
+#[inline(always)]
+fn between([f0, f1, f2, f3]: [f64; 4]) -> f64 {
+    (9.0 * (f1 + f2) - (f0 + f3)) * (1.0 / 16.0)
 }
 
 #[cfg(test)]

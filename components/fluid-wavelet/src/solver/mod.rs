@@ -1,5 +1,6 @@
 //! Steps of the gas on its adaptive grid.
 
+pub mod block_scales;
 pub mod domain_faces;
 pub mod gas_sums;
 pub mod observed_point;

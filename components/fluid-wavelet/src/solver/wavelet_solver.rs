@@ -9,6 +9,7 @@ use crate::grid::adaptation::{BlockMarks, carry_over, find_marks, integral, want
 use crate::grid::block_shape::BlockShape;
 use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, spacing_of_level};
 use crate::grid::block_values::{BlockValues, FillRoom};
+use crate::solver::block_scales::BlockScales;
 use crate::solver::domain_faces::{DomainFace, DomainFaces};
 use crate::solver::rates_pass::{OfBlock, RatesPass};
 use crate::solver::sponge::Sponge;
@@ -140,6 +141,8 @@ pub struct WaveletSolver {
     start: Vec<f64>,
     scales: Vec<f64>,
     fastest: f64,
+    least_density: f64,
+    block_scales: Vec<BlockScales>,
     marks: Vec<BlockMarks>,
     team: Team,
     variant: Variant,
@@ -187,6 +190,8 @@ impl WaveletSolver {
             start: Vec::new(),
             scales: Vec::new(),
             fastest: 0.0,
+            least_density: 0.0,
+            block_scales: Vec::new(),
             marks: Vec::new(),
             team,
             variant: Variant::widest(),
@@ -275,25 +280,22 @@ impl WaveletSolver {
 
     /// Largest values of each field, of momentum over all components, and the fastest signal.
     fn find_scales(&mut self) {
-        let (gas, dims) = (self.settings.gas, self.settings.dims);
-        let mut scales = vec![0.0_f64; self.values.fields];
-        let mut fastest = 0.0_f64;
-        self.for_each_point(|block, _, fields| {
-            for (scale, value) in scales.iter_mut().zip(fields) {
-                *scale = scale.max(value.abs());
-            }
-            let state = gas.state(dims, &fields);
-            let sound = gas.sound_speed(state.density, state.pressure);
-            let speed: f64 = state.velocity.iter().map(|u| u.abs() + sound).sum::<f64>()
-                - (3 - dims) as f64 * sound;
-            fastest = fastest.max(speed * f64::from(1 << block.level));
+        let Self { settings, tree, values, team, block_scales, .. } = self;
+        let (gas, dims, points) = (&settings.gas, settings.dims, tree.domain.shape.points);
+        let length = values.fields * points;
+        block_scales.resize(tree.leaves.len(), BlockScales::NONE);
+        team.for_each(block_scales, |k, scales| {
+            let leaf = tree.leaves[k] as usize;
+            let own = &values.own[leaf * length..(leaf + 1) * length];
+            *scales = BlockScales::of(gas, dims, tree.blocks[leaf].level, own, points);
         });
+        let all = block_scales.iter().fold(BlockScales::NONE, BlockScales::with);
+        let mut scales = all.largest[..values.fields].to_vec();
         // Gas that hardly moves has no scale of its own.
         let moving = (1..=dims).fold(0.0_f64, |m, a| m.max(scales[a]));
         let sound = (scales[0] * scales[1 + dims]).sqrt();
         scales[1..=dims].fill(moving.max(1e-2 * sound));
-        self.scales = scales;
-        self.fastest = fastest;
+        (self.scales, self.fastest, self.least_density) = (scales, all.fastest, all.least_density);
     }
 
     /// Where blocks stand.
@@ -355,15 +357,9 @@ impl WaveletSolver {
         // Heat spreads faster than momentum by the heat ratio over Prandtl's number.
         let hottest = self.scales[1 + settings.dims] / self.scales[0];
         let temperature = hottest * (gas.heat_ratio - 1.0) / gas.gas_constant;
-        let spread = gas.viscosity_at(temperature.max(gas.reference)) / self.least_density();
+        let spread = gas.viscosity_at(temperature.max(gas.reference)) / self.least_density;
         let spread = spread * (gas.heat_ratio / gas.prandtl).max(4.0 / 3.0);
         advection.min(0.4 * finest * finest / (spread * settings.dims as f64))
-    }
-
-    fn least_density(&self) -> f64 {
-        let mut least = f64::INFINITY;
-        self.for_each_point(|_, _, fields| least = least.min(fields[0]));
-        least
     }
 
     /// Makes one step of a time [s], in which bodies stand where they are and move as they do.
