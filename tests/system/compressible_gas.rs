@@ -177,6 +177,16 @@ fn what_a_gas_cannot_do_is_told_at_its_key() {
         ("cell = \"0.25 mm\"", "cell = \"1 nm\"", ["cell", "take a larger cell"]),
         ("[components]\n", disc, ["cell", "points across the smallest body"]),
         (
+            "\"100 kPa\"",
+            "\"100 kPa\"\nsurface_temperatures = { steel = \"350 K\" }",
+            ["surface_temperatures.steel", "no body and no part"],
+        ),
+        (
+            "\"100 kPa\"",
+            "\"100 kPa\"\nsurface_temperatures = { steel = \"-1 K\" }",
+            ["surface_temperatures.steel", "more than zero"],
+        ),
+        (
             "viscosity = ",
             "fill = [{ max = [\"1 mm\", \"1 mm\", \"1 mm\"] }]\nviscosity = ",
             ["fill[0]", "no free surface"],

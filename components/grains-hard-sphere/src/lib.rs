@@ -44,7 +44,7 @@
 //! (`solver/event_driver.rs`) each collision comes at its time and none is missed: the paths are
 //! parabolas, and the moments of touch roots of polynomials. Where a fluid acts, or something moves
 //! as prescribed (`solver/step_driver.rs`), all go through a step, and those that overlap at its end
-//! are taken back (Goetsch, PhD thesis, 2015, Sec. 2.3.3). The rule of a collision is the same:
+//! are taken back (Goetsch, thesis, 2015, Sec. 2.3.3). The rule of a collision is the same:
 //! `impact/collision.rs`.
 //!
 //! # Same bits

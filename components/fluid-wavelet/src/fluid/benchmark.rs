@@ -2,6 +2,7 @@
 
 use crate::domain::parameters::Parameters;
 use crate::fluid::gas_fluid::GasFluid;
+use std::collections::BTreeMap;
 use std::time::Instant;
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Face, FluidMaterial, GasMaterial, GasRegion, Scene};
@@ -17,7 +18,13 @@ pub fn benchmarks(sizes: &BenchmarkSizes) -> Vec<Benchmark> {
             cases.push(Benchmark {
                 name: format!("gas on wavelets, {dimensions} dimensions, finest {n} points"),
                 threads,
-                quantities: vec![Quantity::new("", "M points x steps/s")],
+                quantities: vec![
+                    Quantity::new("", "M points x steps/s"),
+                    Quantity::new("adaptation", "%"),
+                    Quantity::new("transform", "%"),
+                    Quantity::new("right-hand side", "%"),
+                    Quantity::new("adaptation over right-hand side", "1"),
+                ],
                 make: Box::new(move || Ok(burst(dimensions, n, threads))),
             });
         }
@@ -43,6 +50,7 @@ fn scene(dimensions: usize, n: usize) -> Scene {
         heat_ratio: 1.4,
         prandtl: 0.72,
         sutherland: 110.4,
+        surface_temperatures: BTreeMap::new(),
         regions: vec![region],
         shock: None,
         vortex: None,
@@ -63,7 +71,10 @@ fn burst(dimensions: usize, n: usize, threads: usize) -> Measurement {
             fluid.advance(1, &[], &mut []).map_err(|error| error.to_string())?;
             work += fluid.work();
         }
-        Ok(vec![work as f64 * 1e-6 / start.elapsed().as_secs_f64()])
+        let rate = work as f64 * 1e-6 / start.elapsed().as_secs_f64();
+        let times = fluid.times();
+        let [adaptation, transform, rates, _] = times.shares().map(|share| 100.0 * share);
+        Ok(vec![rate, adaptation, transform, rates, times.adaptation_over_rates()])
     })
 }
 

@@ -14,6 +14,7 @@ use crate::fluid::scene_faces::SceneFaces;
 use crate::gas::gas_law::GasState;
 use crate::solver::gas_sums::GasSums;
 use crate::solver::observed_point::ObservedPoint;
+use crate::solver::part_times::PartTimes;
 use crate::solver::wavelet_solver::{TwoLoads, WaveletSettings, WaveletSolver};
 use tremie_fluid_kit::bodies::body_registry::BodyRegistry;
 use tremie_fluid_kit::bodies::part_way::part_way;
@@ -316,6 +317,11 @@ impl GasFluid {
     /// Points times steps of the gas in the last window.
     pub fn work(&self) -> u64 {
         self.points
+    }
+
+    /// Where the time of its steps went.
+    pub fn times(&self) -> PartTimes {
+        self.solver.times
     }
 
     /// Points along the world's axes that observers see.

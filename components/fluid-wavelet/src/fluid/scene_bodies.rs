@@ -1,6 +1,6 @@
 //! The solids of a scene as the gas meets them: parts, planes, polyhedra, round bodies.
 
-use crate::bodies::gas_body::{GasBody, ball_height, cross, half_space_height};
+use crate::bodies::gas_body::{GasBody, SurfaceHeat, ball_height, cross, half_space_height};
 use crate::domain::world_axes::WorldAxes;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -19,6 +19,7 @@ pub struct SceneBody {
     spin: [f64; 3],
     /// Lengths after which the domain repeats [m]; endless where it does not.
     period: [f64; 3],
+    heat: SurfaceHeat,
     /// Volume that it displaces [m³].
     pub volume: f64,
 }
@@ -95,6 +96,10 @@ impl GasBody for SceneBody {
         let at = self.image(at);
         std::array::from_fn(|a| at[a] - self.centre[a])
     }
+
+    fn heat(&self) -> SurfaceHeat {
+        self.heat
+    }
 }
 
 /// A shape that bodies of the run have.
@@ -115,6 +120,9 @@ pub struct SceneBodies {
     parts: Vec<Option<Shape>>,
     /// Polyhedra of unit size.
     polyhedra: Vec<Option<Shape>>,
+    /// What becomes of heat at the surfaces of each set of bodies, and of each part.
+    heat_of_sets: Vec<SurfaceHeat>,
+    heat_of_parts: Vec<SurfaceHeat>,
     /// Fixed parts in their order, then planes.
     at_rest: Vec<SceneBody>,
 }
@@ -131,6 +139,7 @@ impl SceneBodies {
             Vec::new()
         });
         let size = scene.domain.size();
+        let heat = |material: &String| heat_at(scene, material);
         let mut own = Self {
             axes,
             period: std::array::from_fn(|a| {
@@ -141,6 +150,8 @@ impl SceneBodies {
             depth: scene.domain.depth(),
             parts: Vec::new(),
             polyhedra: scene.shapes.iter().map(|shape| polyhedron(&shape.vertices)).collect(),
+            heat_of_sets: scene.bodies.iter().map(|set| heat(&set.material)).collect(),
+            heat_of_parts: scene.parts.iter().map(|part| heat(&part.material)).collect(),
             at_rest: Vec::new(),
         };
         own.parts = moving.into_iter().map(|surface| Some(part_shape(surface?))).collect();
@@ -155,7 +166,7 @@ impl SceneBodies {
                     let shape = part_shape(Arc::new(surface));
                     let centre = axes.along(frame.to_world([0.0; 3]).into());
                     let body = own.part(&shape, frame, centre);
-                    own.at_rest.push(body);
+                    own.at_rest.push(SceneBody { heat: own.heat_of_parts[index], ..body });
                 }
                 Err(error) => {
                     problems.extend(error.problems(&format!("scene.parts[{index}].geometry")));
@@ -191,7 +202,8 @@ impl SceneBodies {
 
     fn body_at(&self, shape: BodyShape, centre: [f64; 3], volume: f64) -> SceneBody {
         let (velocity, spin, period) = ([0.0; 3], [0.0; 3], self.period);
-        SceneBody { shape, centre, velocity, spin, period, volume }
+        let heat = SurfaceHeat::Adiabatic;
+        SceneBody { shape, centre, velocity, spin, period, heat, volume }
     }
 
     fn solid(&self, shape: &Shape, frame: Frame, size: f64, centre: [f64; 3]) -> SceneBody {
@@ -235,10 +247,22 @@ impl SceneBodies {
             }
             _ => return Err(wrong("its shape is unknown")),
         };
+        let (heats, number) = match event.shape {
+            BodyEvent::PART => (&self.heat_of_parts, table),
+            _ => (&self.heat_of_sets, event.set as usize),
+        };
+        body.heat = heats.get(number).copied().unwrap_or(SurfaceHeat::Adiabatic);
         body.velocity = self.axes.along(state.velocity);
         body.spin = self.axes.turn(state.angular_velocity);
         Ok(body)
     }
+}
+
+/// What becomes of heat at surfaces of a material.
+fn heat_at(scene: &Scene, material: &str) -> SurfaceHeat {
+    let gas = scene.fluid.as_ref().and_then(|fluid| fluid.gas.as_ref());
+    let temperature = gas.and_then(|gas| gas.surface_temperatures.get(material));
+    temperature.map_or(SurfaceHeat::Adiabatic, |kelvin| SurfaceHeat::Isothermal(*kelvin))
 }
 
 /// A part in its own frame.

@@ -61,7 +61,7 @@ impl Parameters {
     pub fn resolve(&self, scene: &Scene) -> Result<Resolution, Vec<Problem>> {
         let mut problems = Vec::new();
         self.check_own(&mut problems);
-        check_scene(scene, &mut problems);
+        check_scene(scene, self.inviscid, &mut problems);
         let initial = match InitialGas::of(scene, self.inviscid) {
             Some(initial) if problems.is_empty() => initial,
             _ => return Err(problems),

@@ -1,5 +1,6 @@
 //! Demands of a scene that this gas cannot meet.
 
+use std::collections::BTreeSet;
 use tremie_fluid_kit::cells::grid::face_name;
 use tremie_fluid_kit::checks::material_check::check_material;
 use tremie_messages::Problem;
@@ -8,8 +9,8 @@ use tremie_messages::scene::{Face, FluidMaterial, PartBoundary, Profile, Scene};
 /// Largest Mach number of a vortex: above it the gas at its centre would be colder than none.
 const VORTEX_MACH: f64 = 1.3;
 
-/// Checks of the scene that concern a gas.
-pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
+/// Checks of the scene that concern a gas, which may be without friction.
+pub fn check_scene(scene: &Scene, inviscid: bool, problems: &mut Vec<Problem>) {
     let Some(fluid) = check_material(scene, problems) else { return };
     if fluid.gas.is_none() {
         let found =
@@ -19,6 +20,7 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
         return;
     }
     check_gas(fluid, problems);
+    check_surfaces(scene, inviscid, problems);
     check_faces(scene, problems);
     for (index, part) in scene.parts.iter().enumerate() {
         if part.boundary != PartBoundary::Wall {
@@ -65,6 +67,26 @@ fn check_gas(fluid: &FluidMaterial, problems: &mut Vec<Problem>) {
                 vortex.speed
             );
             problems.push(Problem::new("scene.fluid.gas.vortex.speed", found));
+        }
+    }
+}
+
+/// Surfaces with a temperature of their own.
+fn check_surfaces(scene: &Scene, inviscid: bool, problems: &mut Vec<Problem>) {
+    let gas = scene.fluid.as_ref().and_then(|fluid| fluid.gas.as_ref());
+    let bodies = scene.bodies.iter().map(|set| &set.material);
+    let known: BTreeSet<_> = bodies.chain(scene.parts.iter().map(|part| &part.material)).collect();
+    for material in gas.into_iter().flat_map(|gas| gas.surface_temperatures.keys()) {
+        let key = format!("scene.fluid.gas.surface_temperatures.{material}");
+        if !known.contains(material) {
+            let found = format!("no body and no part is of the material {material}");
+            let names: Vec<_> = known.iter().map(|name| name.as_str()).collect();
+            let help = format!("bodies and parts here are of: {}", names.join(", "));
+            problems.push(Problem::new(key, found).help(help));
+        } else if inviscid {
+            let found = "a gas without friction conducts no heat either";
+            let help = "leave it out, or leave inviscid = true out of the settings";
+            problems.push(Problem::new(key, found).help(help));
         }
     }
 }

@@ -11,8 +11,10 @@ use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, spacing_of_l
 use crate::grid::block_values::{BlockValues, FillRoom};
 use crate::solver::block_scales::BlockScales;
 use crate::solver::domain_faces::{DomainFace, DomainFaces};
+use crate::solver::part_times::PartTimes;
 use crate::solver::rates_pass::{OfBlock, RatesPass};
 use crate::solver::sponge::Sponge;
+use std::time::{Duration, Instant};
 use tremie_team::{Cut, Team, Variant};
 
 /// Weights of the steps of Shu and Osher (1988): of the start, of what the step before gave, and of
@@ -133,6 +135,8 @@ pub struct WaveletSolver {
     pub steps: u64,
     /// Significant points when the grid was last adapted.
     pub significant: u64,
+    /// Where the time of the steps went.
+    pub times: PartTimes,
     /// Loads on the bodies in the last step.
     pub loads: Vec<TwoLoads>,
     pub(crate) mask: BodyMask,
@@ -183,6 +187,7 @@ impl WaveletSolver {
             time: 0.0,
             steps: 0,
             significant: 0,
+            times: PartTimes::default(),
             loads: Vec::new(),
             mask: BodyMask::default(),
             inside: InsidePoints::default(),
@@ -368,35 +373,54 @@ impl WaveletSolver {
     /// If somewhere there is no density or pressure any more; the solver is then of no use.
     pub fn step(&mut self, dt: f64, bodies: &[impl GasBody]) -> Result<(), NoGasError> {
         if !bodies.is_empty() {
-            self.place_bodies(bodies);
-            self.fill();
+            self.clocked(|times| &mut times.bodies, |own| own.place_bodies(bodies));
+            self.clocked(|times| &mut times.transform, Self::fill);
         }
         if self.steps.is_multiple_of(self.settings.adapt_every as u64) {
-            self.adapt(bodies);
+            self.clocked(|times| &mut times.adaptation, |own| own.adapt(bodies));
+            self.times.adaptations += 1;
         }
         self.loads.clear();
         self.loads.resize(bodies.len(), TwoLoads::default());
         self.start.clear();
         self.start.extend_from_slice(&self.values.own);
         for (number, stage) in STAGES.into_iter().enumerate() {
-            self.find_rates(bodies, number == 0)?;
-            let Self { values, rates, start, team, .. } = self;
-            let pieces = (Cut::every(&mut values.own, 4096), Cut::every(rates, 4096));
-            team.for_pieces(pieces, |piece, (own, rates): (&mut [f64], &mut [f64])| {
-                let start = &start[piece * 4096..];
-                for ((own, rate), start) in own.iter_mut().zip(rates).zip(start) {
-                    *own = stage[0] * start + stage[1] * *own + stage[2] * dt * *rate;
-                }
-            });
+            self.clocked(|times| &mut times.rates, |own| own.find_rates(bodies, number == 0))?;
+            self.times.right_hand_sides += 1;
+            self.mix(stage, dt);
             if !bodies.is_empty() {
-                self.extend(bodies);
+                self.clocked(|times| &mut times.bodies, |own| own.extend(bodies));
             }
-            self.fill();
+            self.clocked(|times| &mut times.transform, Self::fill);
         }
         self.time += dt;
         self.steps += 1;
         self.find_scales();
         Ok(())
+    }
+
+    /// The values of a stage.
+    fn mix(&mut self, stage: [f64; 3], dt: f64) {
+        let Self { values, rates, start, team, .. } = self;
+        let pieces = (Cut::every(&mut values.own, 4096), Cut::every(rates, 4096));
+        team.for_pieces(pieces, |piece, (own, rates): (&mut [f64], &mut [f64])| {
+            let start = &start[piece * 4096..];
+            for ((own, rate), start) in own.iter_mut().zip(rates).zip(start) {
+                *own = stage[0] * start + stage[1] * *own + stage[2] * dt * *rate;
+            }
+        });
+    }
+
+    /// Adds the time of some work to a part.
+    fn clocked<T>(
+        &mut self,
+        part: impl Fn(&mut PartTimes) -> &mut Duration,
+        work: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let start = Instant::now();
+        let done = work(self);
+        *part(&mut self.times) += start.elapsed();
+        done
     }
 
     /// Finds the loads on bodies where they stand, without a step.

@@ -10,8 +10,8 @@ use crate::setup::resolution::Resolution;
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
-use tremie_grains_kit::signals::body_signals::{FLUID, MOTION, PATH};
-use tremie_grains_kit::signals::followed;
+use tremie_grains_kit::signals::body_signals::{MOTION, PATH};
+use tremie_grains_kit::signals::shared_signals::{FEW, of_faces, of_followed, of_paths};
 use tremie_grains_kit::space::plane_walls;
 use tremie_sdk::messages::frame::{ProfileBin, ProfileHeader};
 use tremie_sdk::messages::scene::{GrainProfile, Motion, Scene};
@@ -35,9 +35,6 @@ pub struct SoftSpheres {
     /// Axis and side of the faces of the domain that hold grains.
     faces: Vec<(usize, usize)>,
 }
-
-/// So few bodies are followed one by one.
-const FEW: usize = 4;
 
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
@@ -209,19 +206,10 @@ fn is_followed(scene: &Scene, spheres: usize) -> bool {
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     let mut all: Vec<_> = describe(OF_ALL, "").collect();
     if is_followed(scene, spheres) {
-        (0..spheres).for_each(|body| all.extend(describe(PATH, &format!("body{body}_"))));
+        all.extend(of_paths(spheres));
     }
-    for (followed, _) in followed::of_scene(scene) {
-        let before = format!("{followed}.");
-        all.extend(describe(MOTION, &before));
-        if scene.fluid.is_some() {
-            all.extend(describe(FLUID, &before));
-        }
-    }
-    for (axis, side) in plane_walls::faces(scene) {
-        let face = format!("{}_{}.", ["x", "y", "z"][axis], ["lower", "upper"][side]);
-        all.extend(describe(FACE, &face));
-    }
+    all.extend(of_followed(scene));
+    all.extend(of_faces(scene, FACE));
     for part in &scene.parts {
         let before = format!("{}.", part.name);
         all.extend(describe(PART, &before));

@@ -1,7 +1,7 @@
 //! Coefficient of restitution and damping ratio of a linear spring and dashpot.
 //!
 //! The damping ratio is `zeta = gamma / (2 sqrt(k m*))` with the reduced mass `m*`. The bilateral
-//! contact lets the dashpot pull until the overlap is gone (Goetsch, PhD thesis, 2015, Eq. 3.10);
+//! contact lets the dashpot pull until the overlap is gone (Goetsch, thesis, 2015, Eq. 3.10);
 //! the contact without tension ends when the force vanishes (Schwager & Pöschel, *Granular Matter*
 //! 9, 2007).
 

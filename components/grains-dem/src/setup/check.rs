@@ -138,7 +138,7 @@ fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
     problems
 }
 
-/// Fewest steps in a collision that still resolve it (Goetsch, PhD thesis, 2015, sec. 3.3).
+/// Fewest steps in a collision that still resolve it (Goetsch, thesis, 2015, sec. 3.3).
 pub(crate) const MIN_STEPS_PER_CONTACT: f64 = 7.0;
 
 /// Checks the scene as a whole, once its parts are valid.

@@ -8,6 +8,7 @@ use crate::setup::parameters::Parameters;
 use std::collections::BTreeMap;
 use tremie_grains_kit::signals::body_signals::{FLUID, MOTION, PATH};
 use tremie_grains_kit::signals::followed::{self, Followed};
+use tremie_grains_kit::signals::shared_signals::{FEW, of_faces, of_followed, of_paths};
 use tremie_grains_kit::space::plane_walls;
 use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};
@@ -28,9 +29,6 @@ pub struct HardGrains {
     /// Number of faces of the domain that hold grains.
     faces: usize,
 }
-
-/// So few bodies are followed one by one.
-const FEW: usize = 4;
 
 impl Grains for HardGrains {
     const PROGRAM: &'static str = concat!("grains-hard-sphere ", env!("CARGO_PKG_VERSION"));
@@ -124,19 +122,10 @@ fn followed_ids(scene: &Scene, events: &[BodyEvent]) -> Vec<usize> {
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     let mut all: Vec<_> = describe(OF_ALL, "").collect();
     if spheres <= FEW {
-        (0..spheres).for_each(|body| all.extend(describe(PATH, &format!("body{body}_"))));
+        all.extend(of_paths(spheres));
     }
-    for (name, _) in followed::of_scene(scene) {
-        let before = format!("{name}.");
-        all.extend(describe(MOTION, &before));
-        if scene.fluid.is_some() {
-            all.extend(describe(FLUID, &before));
-        }
-    }
-    for (axis, side) in plane_walls::faces(scene) {
-        let face = format!("{}_{}.", ["x", "y", "z"][axis], ["lower", "upper"][side]);
-        all.extend(describe(FACE, &face));
-    }
+    all.extend(of_followed(scene));
+    all.extend(of_faces(scene, FACE));
     for part in &scene.parts {
         let before = format!("{}.", part.name);
         all.extend(describe(PART, &before));

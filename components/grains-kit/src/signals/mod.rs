@@ -2,3 +2,4 @@
 
 pub mod body_signals;
 pub mod followed;
+pub mod shared_signals;

@@ -1,6 +1,7 @@
 //! A compressible gas: its law, and what of it is not at rest at the start.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// What makes a scene's fluid a perfect gas that is compressed. Its density at rest and its
 /// viscosity are the fluid's.
@@ -17,6 +18,10 @@ pub struct GasMaterial {
     pub prandtl: f64,
     /// Sutherland's temperature, by which the viscosity grows with the temperature [K].
     pub sutherland: f64,
+    /// Temperatures of surfaces by the material of bodies and parts [K]; no heat passes through
+    /// other ones.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub surface_temperatures: BTreeMap<String, f64>,
     /// Boxes that hold gas of another state at the start; later ones lie over earlier ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub regions: Vec<GasRegion>,

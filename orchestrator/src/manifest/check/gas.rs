@@ -6,8 +6,9 @@ use super::super::document::{
 use super::super::path;
 use super::super::read::Findings;
 use super::{fluid, probes};
+use std::collections::BTreeMap;
 use tremie_messages::scene::{Domain, GasMaterial, GasRegion, Shock, Vortex};
-use tremie_messages::units::Velocity;
+use tremie_messages::units::{Temperature, Velocity};
 
 const AT: &str = "scene.fluid.gas";
 
@@ -32,6 +33,7 @@ fn material(
     let is_warm = findings.not_negative(sutherland, &path::join(AT, "sutherland"));
     let heat_ratio = above("heat_ratio", table.heat_ratio?, 1.0, findings);
     let prandtl = above("prandtl", table.prandtl?, 0.0, findings);
+    let surface_temperatures = surfaces(table, findings);
     let regions: Vec<_> = (table.regions.iter().enumerate())
         .map(|(k, region)| {
             let at = path::item(&path::join(AT, "regions"), k);
@@ -46,10 +48,22 @@ fn material(
         heat_ratio: heat_ratio?,
         prandtl: prandtl?,
         sutherland: is_warm.then_some(sutherland.0)?,
+        surface_temperatures: surface_temperatures?,
         regions: regions.into_iter().collect::<Option<_>>()?,
         shock: if_there(shock)?,
         vortex: if_there(vortex)?,
     })
+}
+
+fn surfaces(table: &GasTable, findings: &mut Findings) -> Option<BTreeMap<String, f64>> {
+    let at = path::join(AT, "surface_temperatures");
+    let one = |(material, temperature): (&String, &Temperature)| {
+        let found = findings.positive(&Some(*temperature), &at, material);
+        Some((material.clone(), found?))
+    };
+    // All are looked at, so that each wrong one is told.
+    let found: Vec<_> = table.surface_temperatures.iter().map(one).collect();
+    found.into_iter().collect()
 }
 
 /// What a table came to: nothing where there is none, `None` where it is wrong.

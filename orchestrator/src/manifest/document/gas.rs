@@ -3,6 +3,7 @@
 use super::AxisName;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use tremie_messages::units::{Density, Length, Pressure, Temperature, Velocity};
 
 /// A perfect gas. Its density at rest and its viscosity are the fluid's.
@@ -20,6 +21,10 @@ pub(in super::super) struct GasTable {
     /// Sutherland's temperature, by which the viscosity grows with the temperature (default:
     /// 110.4 K, that of air).
     pub sutherland: Option<Temperature>,
+    /// Temperatures of surfaces by the material of bodies and parts, `{ steel = "350 K" }`
+    /// (default: none; no heat passes through other surfaces).
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub surface_temperatures: BTreeMap<String, Temperature>,
     /// Boxes that hold gas of another state at the start; later ones lie over earlier ones.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub regions: Vec<GasRegionTable>,
