@@ -1,8 +1,10 @@
 //! Loads of the gas on bodies, by stress at their surfaces.
 //!
-//! `F = int sigma N dS` is taken over the points near a surface with a smoothed delta function of
-//! the distance: what stands inside a body goes on as it does outside, so that stress is smooth
-//! there. Pressure counts from that of the gas at rest, which has no resultant.
+//! `F = int sigma N dS` is taken over the points near a surface with smoothed delta functions of the
+//! distance. Pressure goes on inside a body as it falls outside: it is taken on both sides, and
+//! counts from that of the gas at rest, which has no resultant. Shear inside is that of the surface
+//! and does not fall on: it is taken outside, at two heights, and extrapolated to the surface. So
+//! both are of second order.
 
 use crate::bodies::body_mask::BlockPlaces;
 use crate::bodies::gas_body::{BodyLoad, GasBody};
@@ -11,8 +13,19 @@ use crate::gas::gas_law::Gas;
 use crate::gas::viscous_flux::at_point;
 use crate::grid::block_tree::BlockAddress;
 
-/// Half of the width of the delta function, in points.
-const REACH: f64 = 2.0;
+/// Half of the width of the delta function of pressure, in points.
+const PRESSURE_REACH: f64 = 2.0;
+/// That of shear; it stands at this height above the surface, and at twice that.
+const SHEAR_REACH: f64 = 1.5;
+
+/// A smoothed delta function: of a distance and half of its width [m], in 1/m.
+fn delta(distance: f64, reach: f64) -> f64 {
+    let relative = distance / reach;
+    if relative.abs() >= 1.0 {
+        return 0.0;
+    }
+    (1.0 + (std::f64::consts::PI * relative).cos()) / (2.0 * reach)
+}
 
 /// Adds the loads on the bodies that come near a block of its points, whose state the room holds.
 pub fn add_surface_loads(
@@ -33,44 +46,46 @@ pub fn add_surface_loads(
             for (body, load) in near.iter().zip(loads.iter_mut()) {
                 let body = &bodies[usize::from(*body)];
                 let (height, normal) = body.height(at);
-                let relative = height / (REACH * spacing);
-                if relative.abs() >= 1.0 {
+                let lift = SHEAR_REACH * spacing;
+                let highest = if gas.viscosity > 0.0 { 3.0 * lift } else { 0.0 };
+                if height >= highest.max(PRESSURE_REACH * spacing)
+                    || height <= -PRESSURE_REACH * spacing
+                {
                     continue;
                 }
-                let delta =
-                    (1.0 + (std::f64::consts::PI * relative).cos()) / (2.0 * REACH * spacing);
-                let traction = traction(places, gas, room, (p, spacing), rest, normal);
+                let pressing = delta(height, PRESSURE_REACH * spacing) * (room.pressure[p] - rest);
+                let mut traction = normal.map(|n| -n * pressing);
+                if gas.viscosity > 0.0 {
+                    let share = 2.0 * delta(height - lift, lift) - delta(height - 2.0 * lift, lift);
+                    let shear = shear(places, gas, room, (p, spacing), normal);
+                    (0..3).for_each(|a| traction[a] += share * shear[a]);
+                }
                 let foot = std::array::from_fn(|a| at[a] - height * normal[a]);
-                load.add(traction.map(|t| t * delta * volume), body.arm(foot));
+                load.add(traction.map(|t| t * volume), body.arm(foot));
             }
         }
     }
 }
 
-/// Stress on a surface of a normal at a point [Pa].
-fn traction(
+/// Stress of friction on a surface of a normal at a point [Pa].
+fn shear(
     places: &BlockPlaces,
     gas: &Gas,
     room: &GasRoom,
     (p, spacing): (usize, f64),
-    rest: f64,
     normal: [f64; 3],
 ) -> [f64; 3] {
     let shape = &places.shape;
-    let mut traction = normal.map(|n| -n * (room.pressure[p] - rest));
-    if gas.viscosity > 0.0 {
-        let viscosity = gas.viscosity_at(room.temperature[p]) / spacing;
-        let mut slope = [[0.0; 3]; 3];
-        for i in 0..shape.dims {
-            for j in 0..shape.dims {
-                slope[i][j] = at_point(&room.velocity[i], p, shape.stride[j]);
-            }
-        }
-        let divergence = slope[0][0] + slope[1][1] + slope[2][2];
-        for i in 0..shape.dims {
-            let shear: f64 = (0..3).map(|j| (slope[i][j] + slope[j][i]) * normal[j]).sum();
-            traction[i] += viscosity * (shear - 2.0 / 3.0 * divergence * normal[i]);
+    let viscosity = gas.viscosity_at(room.temperature[p]) / spacing;
+    let mut slope = [[0.0; 3]; 3];
+    for i in 0..shape.dims {
+        for j in 0..shape.dims {
+            slope[i][j] = at_point(&room.velocity[i], p, shape.stride[j]);
         }
     }
-    traction
+    let divergence = slope[0][0] + slope[1][1] + slope[2][2];
+    std::array::from_fn(|i| {
+        let along: f64 = (0..3).map(|j| (slope[i][j] + slope[j][i]) * normal[j]).sum();
+        viscosity * (along - 2.0 / 3.0 * divergence * normal[i])
+    })
 }
