@@ -7,6 +7,10 @@ use crate::grid::block_tree::{BlockAddress, BlockDomain, BlockTree, spacing_of_l
 /// Points on either side of a surface that are of the finest level.
 pub const BAND: f64 = 6.0;
 
+/// Points beyond a block's farthest ghost at which a body still counts as near: the stress on its
+/// surface is taken up to four and a half points away.
+pub const BEYOND_GHOSTS: f64 = 1.5;
+
 /// Where blocks stand.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockPlaces {
@@ -68,6 +72,7 @@ impl BodyMask {
         self.numbers.clear();
         for (slot, &block) in tree.blocks.iter().enumerate() {
             let (centre, reach) = places.ball_around(block);
+            let reach = reach + BEYOND_GHOSTS * places.spacing(block.level);
             let begin = self.numbers.len() as u32;
             for (number, body) in bodies.iter().enumerate() {
                 if body.height(centre).0 >= reach {

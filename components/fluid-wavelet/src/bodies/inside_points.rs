@@ -16,7 +16,7 @@ use crate::grid::block_shape::{BlockShape, GHOSTS};
 use crate::grid::block_tree::{BlockTree, NONE};
 
 /// Depth to which points have values of their own, in points: stencils of the gas reach three
-/// points, those of the stress at the surface four.
+/// points, and a body may go on by one before the grid is adapted.
 const REACH: f64 = 4.0;
 
 /// Values that are carried inwards: density, temperature, velocity.

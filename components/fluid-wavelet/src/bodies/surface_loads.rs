@@ -4,19 +4,24 @@
 //! distance. Pressure goes on inside a body as it falls outside: it is taken on both sides, and
 //! counts from that of the gas at rest, which has no resultant. Shear inside is that of the surface
 //! and does not fall on: it is taken outside, at two heights, and extrapolated to the surface. So
-//! both are of second order.
+//! both are of second order. Where another surface or a face of the domain is nearer than four and
+//! a half points, part of these heights is missing, and shear is a guess.
 
-use crate::bodies::body_mask::BlockPlaces;
+use crate::bodies::body_mask::{BAND, BEYOND_GHOSTS, BlockPlaces};
 use crate::bodies::gas_body::{BodyLoad, GasBody};
 use crate::gas::block_rates::GasRoom;
 use crate::gas::gas_law::Gas;
 use crate::gas::viscous_flux::at_point;
+use crate::grid::block_shape::GHOSTS;
 use crate::grid::block_tree::BlockAddress;
 
 /// Half of the width of the delta function of pressure, in points.
 const PRESSURE_REACH: f64 = 2.0;
 /// That of shear; it stands at this height above the surface, and at twice that.
 const SHEAR_REACH: f64 = 1.5;
+
+const _: () = assert!(BAND >= 3.0 * SHEAR_REACH);
+const _: () = assert!(GHOSTS as f64 + BEYOND_GHOSTS >= 3.0 * SHEAR_REACH);
 
 /// A smoothed delta function: of a distance and half of its width [m], in 1/m.
 fn delta(distance: f64, reach: f64) -> f64 {
@@ -28,11 +33,13 @@ fn delta(distance: f64, reach: f64) -> f64 {
 }
 
 /// Adds the loads on the bodies that come near a block of its points, whose state the room holds.
+/// `marks` tell which of these are inside bodies; those in other bodies have no gas to press.
 pub fn add_surface_loads(
     (places, gas): (&BlockPlaces, &Gas),
     block: BlockAddress,
     rest: f64,
     (bodies, near): (&[impl GasBody], &[u16]),
+    marks: &[u16],
     room: &GasRoom,
     loads: &mut [BodyLoad],
 ) {
@@ -44,6 +51,9 @@ pub fn add_surface_loads(
         for p in row..row + shape.edge[0] {
             let at = places.padded_point(block, shape.at(p));
             for (body, load) in near.iter().zip(loads.iter_mut()) {
+                if marks[p] != 0 && marks[p] != *body + 1 {
+                    continue;
+                }
                 let body = &bodies[usize::from(*body)];
                 let (height, normal) = body.height(at);
                 let lift = SHEAR_REACH * spacing;

@@ -47,6 +47,11 @@ impl InitialGas {
         }
     }
 
+    /// Temperatures that surfaces hold [K].
+    pub fn surface_temperatures(&self) -> impl Iterator<Item = f64> + '_ {
+        self.material.surface_temperatures.values().copied()
+    }
+
     /// All states that the start has besides the gas at rest.
     pub fn others(&self) -> impl Iterator<Item = GasState> + '_ {
         let regions = self.material.regions.iter().map(|region| GasState {

@@ -282,7 +282,9 @@ fn polyhedron(vertices: &[[f64; 3]]) -> Option<Shape> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tremie_messages::scene::{Domain, Face, Geometry};
+    use tremie_messages::scene::{
+        BodySet, Domain, Face, FluidMaterial, GasMaterial, Geometry, Part, PartBoundary, Placement,
+    };
 
     #[test]
     fn a_ball_near_a_periodic_face_is_seen_from_both_ends() {
@@ -322,6 +324,66 @@ mod tests {
             let frame = Frame::of(&Pose { position: [0.5, 0.05, 0.5], orientation });
             let part = bodies.part(&shape, frame, [0.5, 0.5, 0.05]);
             assert!((part.volume - section * 0.1).abs() < 1e-15, "{}", part.volume);
+        }
+    }
+
+    #[test]
+    fn surfaces_have_the_temperature_of_their_material() {
+        let part = |name: &str, motion: Motion| Part {
+            name: name.into(),
+            geometry: Geometry::Box { size: [0.2, 0.2, 0.2] },
+            pose: Pose { position: [0.5, 0.5, 0.5], ..Pose::IDENTITY },
+            cavity: false,
+            material: name.into(),
+            motion,
+            boundary: PartBoundary::Wall,
+        };
+        let given = Motion::Prescribed(Vec::new());
+        let set = |material: &str| BodySet {
+            name: material.into(),
+            density: 1.0,
+            material: material.into(),
+            motion: Motion::Free,
+            clump: None,
+            placement: Placement::Listed(Vec::new()),
+        };
+        let gas = GasMaterial {
+            pressure: 1e5,
+            temperature: 300.0,
+            heat_ratio: 1.4,
+            prandtl: 0.72,
+            sutherland: 110.4,
+            surface_temperatures: [("hot".into(), 350.0), ("cold".into(), 250.0)].into(),
+            regions: Vec::new(),
+            shock: None,
+            vortex: None,
+        };
+        let scene = Scene {
+            fluid: Some(FluidMaterial { gas: Some(gas), ..FluidMaterial::at_rest(1.2, 1.8e-5) }),
+            bodies: vec![set("plain"), set("hot")],
+            parts: vec![part("cold", Motion::Fixed), part("hot", given)],
+            ..Scene::empty(Domain::new([0.0; 3], [1.0; 3], Face::WALLS))
+        };
+        let bodies = SceneBodies::new(&scene, WorldAxes::of(&scene)).expect("two boxes");
+        assert_eq!(bodies.at_rest()[0].heat(), SurfaceHeat::Isothermal(250.0));
+        let event = |shape: u32, set: u32, table: u64| BodyEvent {
+            id: 1,
+            kind: BodyEvent::ADDED,
+            shape,
+            motion: BodyEvent::FREE,
+            set,
+            mass: 1.0,
+            size: [0.1, 1.0, 0.0],
+            table,
+        };
+        let state = BodyState::at_rest(1, [0.5; 3]);
+        for (shape, set, table, heat) in [
+            (BodyEvent::SPHERE, 0, 0, SurfaceHeat::Adiabatic),
+            (BodyEvent::SPHERE, 1, 0, SurfaceHeat::Isothermal(350.0)),
+            (BodyEvent::PART, 0, 1, SurfaceHeat::Isothermal(350.0)),
+        ] {
+            let body = bodies.body(&event(shape, set, table), &state).expect("a body");
+            assert_eq!(body.heat(), heat);
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::grid::block_shape::GHOSTS;
 /// Copies a row onto one of the same length.
 #[inline(always)]
 pub fn copy_row(from: &[f64], to: &mut [f64]) {
+    debug_assert_eq!(from.len(), to.len());
     match to.len() {
         GHOSTS => copy_points::<GHOSTS>(from, to),
         8 => copy_points::<8>(from, to),

@@ -224,6 +224,10 @@ impl Parameters {
             let temperature = pressure / (density * law.gas_constant);
             warmest = warmest.max(law.viscosity_at(temperature) / density);
         }
+        for temperature in initial.surface_temperatures() {
+            let density = initial.rest.pressure / (law.gas_constant * temperature);
+            warmest = warmest.max(law.viscosity_at(temperature) / density);
+        }
         let acoustic = self.courant * h / fastest;
         let spread = warmest * (law.heat_ratio / law.prandtl).max(4.0 / 3.0);
         let viscous = 0.4 * h * h / (spread * axes.dims as f64);

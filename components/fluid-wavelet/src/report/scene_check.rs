@@ -81,7 +81,11 @@ fn check_surfaces(scene: &Scene, inviscid: bool, problems: &mut Vec<Problem>) {
         if !known.contains(material) {
             let found = format!("no body and no part is of the material {material}");
             let names: Vec<_> = known.iter().map(|name| name.as_str()).collect();
-            let help = format!("bodies and parts here are of: {}", names.join(", "));
+            let help = if names.is_empty() {
+                "there are none; faces and planes take no heat".to_string()
+            } else {
+                format!("bodies and parts here are of: {}", names.join(", "))
+            };
             problems.push(Problem::new(key, found).help(help));
         } else if inviscid {
             let found = "a gas without friction conducts no heat either";

@@ -10,14 +10,13 @@ pub struct BlockScales {
     /// Speed of the fastest signal, summed over the axes [m/s], times the spacing of level 0 over
     /// that of the block.
     pub fastest: f64,
-    /// Least density [kg/m^3].
-    pub least_density: f64,
+    /// Largest viscosity over density [m²/s].
+    pub viscous: f64,
 }
 
 impl BlockScales {
     /// Of no points.
-    pub const NONE: Self =
-        Self { largest: [0.0; MOST_FIELDS], fastest: 0.0, least_density: f64::INFINITY };
+    pub const NONE: Self = Self { largest: [0.0; MOST_FIELDS], fastest: 0.0, viscous: 0.0 };
 
     /// Of a block of a level: `own` has its fields one after the other, each of so many points.
     pub fn of(gas: &Gas, dims: usize, level: u8, own: &[f64], points: usize) -> Self {
@@ -32,7 +31,11 @@ impl BlockScales {
             let sound = gas.sound_speed(state.density, state.pressure);
             let speed = state.velocity[..dims].iter().map(|u| u.abs() + sound).sum::<f64>();
             scales.fastest = scales.fastest.max(speed);
-            scales.least_density = scales.least_density.min(fields[0]);
+            if gas.viscosity > 0.0 {
+                let temperature = state.pressure / (state.density * gas.gas_constant);
+                let viscous = gas.viscosity_at(temperature) / state.density;
+                scales.viscous = scales.viscous.max(viscous);
+            }
         }
         scales.fastest *= f64::from(1_u32 << level);
         scales
@@ -44,7 +47,7 @@ impl BlockScales {
             *own = own.max(other);
         }
         self.fastest = self.fastest.max(other.fastest);
-        self.least_density = self.least_density.min(other.least_density);
+        self.viscous = self.viscous.max(other.viscous);
         self
     }
 }

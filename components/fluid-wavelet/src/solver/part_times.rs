@@ -5,6 +5,8 @@ use std::time::Duration;
 /// Time of the parts of all steps so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PartTimes {
+    /// All steps.
+    pub steps: Duration,
     /// Adaptation of the grid.
     pub adaptation: Duration,
     /// Adaptations that were looked at, whether the grid changed or not.
@@ -20,11 +22,10 @@ pub struct PartTimes {
 }
 
 impl PartTimes {
-    /// Shares of adaptation, transform, rates and bodies in all four.
+    /// Shares of adaptation, transform, rates and bodies in the time of the steps.
     pub fn shares(&self) -> [f64; 4] {
         let parts = [self.adaptation, self.transform, self.rates, self.bodies];
-        let all: Duration = parts.iter().sum();
-        parts.map(|part| part.as_secs_f64() / all.as_secs_f64())
+        parts.map(|part| part.as_secs_f64() / self.steps.as_secs_f64())
     }
 
     /// Time of one adaptation over that of one right-hand side, the transform after it included.

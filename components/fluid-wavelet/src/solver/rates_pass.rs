@@ -95,9 +95,20 @@ impl RatesPass<'_> {
         self.add_sources(slot, block, rates);
         if let Some(marks) = marks {
             hold_inside(shape, marks, rates);
+            // Surfaces lie in blocks of the finest level; a coarser one would count anew.
+            if block.level == settings.deepest {
+                let rest = settings.rest_pressure;
+                add_surface_loads(
+                    (places, gas),
+                    block,
+                    rest,
+                    (bodies, near),
+                    marks,
+                    room,
+                    by_stress,
+                );
+            }
         }
-        let rest = settings.rest_pressure;
-        add_surface_loads((places, gas), block, rest, (bodies, near), room, by_stress);
     }
 
     /// Adds what drives the gas, and what the sponge takes.

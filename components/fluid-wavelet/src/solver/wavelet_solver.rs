@@ -145,7 +145,7 @@ pub struct WaveletSolver {
     start: Vec<f64>,
     scales: Vec<f64>,
     fastest: f64,
-    least_density: f64,
+    viscous: f64,
     block_scales: Vec<BlockScales>,
     marks: Vec<BlockMarks>,
     team: Team,
@@ -195,7 +195,7 @@ impl WaveletSolver {
             start: Vec::new(),
             scales: Vec::new(),
             fastest: 0.0,
-            least_density: 0.0,
+            viscous: 0.0,
             block_scales: Vec::new(),
             marks: Vec::new(),
             team,
@@ -283,7 +283,8 @@ impl WaveletSolver {
         values.fill(team, fill_rooms, tree, &settings.faces);
     }
 
-    /// Largest values of each field, of momentum over all components, and the fastest signal.
+    /// Largest values of each field, of momentum over all components; what the time
+    /// step depends on.
     fn find_scales(&mut self) {
         let Self { settings, tree, values, team, block_scales, .. } = self;
         let (gas, dims, points) = (&settings.gas, settings.dims, tree.domain.shape.points);
@@ -300,7 +301,7 @@ impl WaveletSolver {
         let moving = (1..=dims).fold(0.0_f64, |m, a| m.max(scales[a]));
         let sound = (scales[0] * scales[1 + dims]).sqrt();
         scales[1..=dims].fill(moving.max(1e-2 * sound));
-        (self.scales, self.fastest, self.least_density) = (scales, all.fastest, all.least_density);
+        (self.scales, self.fastest, self.viscous) = (scales, all.fastest, all.viscous);
     }
 
     /// Where blocks stand.
@@ -360,10 +361,7 @@ impl WaveletSolver {
             return advection;
         }
         // Heat spreads faster than momentum by the heat ratio over Prandtl's number.
-        let hottest = self.scales[1 + settings.dims] / self.scales[0];
-        let temperature = hottest * (gas.heat_ratio - 1.0) / gas.gas_constant;
-        let spread = gas.viscosity_at(temperature.max(gas.reference)) / self.least_density;
-        let spread = spread * (gas.heat_ratio / gas.prandtl).max(4.0 / 3.0);
+        let spread = self.viscous * (gas.heat_ratio / gas.prandtl).max(4.0 / 3.0);
         advection.min(0.4 * finest * finest / (spread * settings.dims as f64))
     }
 
@@ -372,6 +370,10 @@ impl WaveletSolver {
     /// # Errors
     /// If somewhere there is no density or pressure any more; the solver is then of no use.
     pub fn step(&mut self, dt: f64, bodies: &[impl GasBody]) -> Result<(), NoGasError> {
+        self.clocked(|times| &mut times.steps, |own| own.clocked_step(dt, bodies))
+    }
+
+    fn clocked_step(&mut self, dt: f64, bodies: &[impl GasBody]) -> Result<(), NoGasError> {
         if !bodies.is_empty() {
             self.clocked(|times| &mut times.bodies, |own| own.place_bodies(bodies));
             self.clocked(|times| &mut times.transform, Self::fill);

@@ -132,8 +132,8 @@ fn memory(bodies: usize) -> u64 {
     (bodies * of_body) as u64 + BodyCells::memory(bodies)
 }
 
-/// Bytes of a body besides its state: events, places, accelerations.
-const BESIDE_BODY: usize = 250;
+/// Bytes of a body besides its state: events, places, ends of ways, accelerations.
+const BESIDE_BODY: usize = 300;
 
 /// The largest of the fractions of packings, and of all bodies in the domain.
 fn solid_fraction(scene: &Scene, diameters: &[f64], parts: &[HardPart]) -> f64 {

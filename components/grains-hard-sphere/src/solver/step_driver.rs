@@ -24,7 +24,7 @@ use std::collections::BinaryHeap;
 use tremie_grains_kit::space::rigid_body::Twist;
 use tremie_team::Team;
 
-/// Bodies that are one item of work.
+/// Bodies to an item of work; their rows of cells are shared out evenly among as many items.
 const BLOCK: usize = 256;
 
 /// What a body touches in a step.
@@ -73,7 +73,7 @@ impl PartialOrd for StepEvent {
     }
 }
 
-/// Touches that one block of bodies found, and room to work in.
+/// Touches that were found in one item of work, and room to work in.
 #[derive(Default)]
 struct DetectionBlock {
     found: Vec<StepEvent>,
