@@ -42,7 +42,7 @@ fn a_validation_that_is_ended_leaves_no_run() {
         }
         let all = family(running.id());
         running.send(signal);
-        running.wait(Duration::from_secs(10));
+        running.wait(Duration::from_secs(30));
         let is_there = |id: &u32| Path::new(&format!("/proc/{id}")).exists();
         while all.iter().any(is_there) {
             wait();
