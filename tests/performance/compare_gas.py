@@ -297,12 +297,13 @@ def at_equal_error(rows):
 
 
 def report(options, rows):
+    times = "one run of each," if options.repeats == 1 else f"the fastest of {options.repeats} runs of each,"
     lines = [
         TITLE, "",
         f"Written by `python3 tests/performance/compare_gas.py`. A shock of Mach {MACH} runs over a vortex without change of entropy, of radius",
         f"{RADIUS} and speed {SPEED} in units of the sound's speed, in inviscid gas; a domain of 2 by 1. Tremie on adaptive wavelets beside AMRClaw ({PACKAGES[0].replace('==', ' ')}), which",
         "refines by factors of 2 from 32 cells across the domain, with its own Roe solver and limiter (MC), compiled by gfortran -O3 for this processor. One thread;",
-        f"the faster of {options.repeats} runs in turns. The tolerance is each program's own. The error is the mean of that of the density over {SAMPLES} x {SAMPLES} points",
+        f"{times} in turns. The tolerance is each program's own. The error is the mean of that of the density over {SAMPLES} x {SAMPLES} points",
         f"about vortex and shock, against a run of AMRClaw with {FINEST[0]} points across (tolerance {FINEST[1]:g}). Shares of points in use are of the whole",
         "finest grid.", "",
         "| program | finest points across | tolerance | share of points in use | time [s] | error |",
