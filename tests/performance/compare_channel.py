@@ -308,7 +308,7 @@ def speeds(options, folder, beads):
 
 def report(options, count, found, rows):
     mine, peer, flow, of_peer = found
-    version = re.findall(r"Version (\S+ \S+?)[,)]", subprocess.run([options.liggghts, "-h", "-log", "none"], cwd="/tmp", capture_output=True, text=True).stdout)
+    version = re.findall(r"Version (\S+ \S+?)[,)]", subprocess.run([options.liggghts, "-h", "-log", "none"], cwd=tempfile.gettempdir(), capture_output=True, text=True).stdout)
     names = ["solid fraction", "speed down [cm/s]", "streamwise fluctuation [cm/s]", "transverse fluctuation [cm/s]"]
     scales = [1.0, -100.0, 100.0, 100.0]
     lines = [

@@ -214,64 +214,40 @@ fn heat_is_conducted_between_plates_of_two_temperatures() {
     assert!(seen > 100 && error < 0.01, "{error}, {seen}");
 }
 
-/// Gas around a body: solid is what is farther from the centre.
-#[derive(Clone, Copy)]
-struct Bore(Ball);
+/// A shaft, or a bore: what is solid lies inside the circle, or outside.
+struct Round {
+    circle: Ball,
+    is_bore: bool,
+}
 
-impl GasBody for Bore {
+impl GasBody for Round {
     fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
-        let (height, normal) = self.0.height(at);
-        (-height, normal.map(|n| -n))
+        let (height, normal) = self.circle.height(at);
+        if self.is_bore { (-height, normal.map(|n| -n)) } else { (height, normal) }
     }
 
     fn velocity(&self, at: [f64; 3]) -> [f64; 3] {
-        self.0.velocity(at)
+        self.circle.velocity(at)
     }
 
     fn arm(&self, at: [f64; 3]) -> [f64; 3] {
-        self.0.arm(at)
-    }
-}
-
-/// A shaft that turns in a bore, or the bore.
-enum Couette {
-    Shaft(Ball),
-    Bore(Bore),
-}
-
-impl Couette {
-    fn body(&self) -> &dyn GasBody {
-        match self {
-            Self::Shaft(ball) => ball,
-            Self::Bore(bore) => bore,
-        }
-    }
-}
-
-impl GasBody for Couette {
-    fn height(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
-        self.body().height(at)
-    }
-
-    fn velocity(&self, at: [f64; 3]) -> [f64; 3] {
-        self.body().velocity(at)
-    }
-
-    fn arm(&self, at: [f64; 3]) -> [f64; 3] {
-        self.body().arm(at)
+        self.circle.arm(at)
     }
 }
 
 #[test]
 fn a_shaft_that_turns_in_a_bore_feels_the_torque_of_couette() {
-    let ball = |radius: f64, spin: f64| Ball {
+    let circle = |radius: f64, spin: f64| Ball {
         centre: [0.5013, 0.4971, 0.0],
         radius,
         velocity: [0.0; 3],
         spin: [0.0, 0.0, spin],
     };
     let (inner, outer, spin, reynolds) = (0.3, 0.45, 0.2, 20.0);
-    let bodies = [Couette::Shaft(ball(inner, spin)), Couette::Bore(Bore(ball(outer, 0.0)))];
+    let bodies = [
+        Round { circle: circle(inner, spin), is_bore: false },
+        Round { circle: circle(outer, 0.0), is_bore: true },
+    ];
     let settings = WaveletSettings {
         block_edge: 8,
         coarsest: 1.0 / 8.0,

@@ -46,6 +46,8 @@ pub fn add_surface_loads(
     let shape = &places.shape;
     let spacing = places.spacing(block.level);
     let volume = spacing.powi(shape.dims as i32);
+    let (lift, depth) = (SHEAR_REACH * spacing, PRESSURE_REACH * spacing);
+    let highest = if gas.viscosity > 0.0 { (3.0 * lift).max(depth) } else { depth };
     let (from, to) = shape.own();
     for row in shape.rows(from, to) {
         for p in row..row + shape.edge[0] {
@@ -56,16 +58,12 @@ pub fn add_surface_loads(
                 }
                 let body = &bodies[usize::from(*body)];
                 let (height, normal) = body.height(at);
-                let lift = SHEAR_REACH * spacing;
-                let highest = if gas.viscosity > 0.0 { 3.0 * lift } else { 0.0 };
-                if height >= highest.max(PRESSURE_REACH * spacing)
-                    || height <= -PRESSURE_REACH * spacing
-                {
+                if height >= highest || height <= -depth {
                     continue;
                 }
-                let pressing = delta(height, PRESSURE_REACH * spacing) * (room.pressure[p] - rest);
+                let pressing = delta(height, depth) * (room.pressure[p] - rest);
                 let mut traction = normal.map(|n| -n * pressing);
-                if gas.viscosity > 0.0 {
+                if gas.viscosity > 0.0 && height > 0.0 {
                     let share = 2.0 * delta(height - lift, lift) - delta(height - 2.0 * lift, lift);
                     let shear = shear(places, gas, room, (p, spacing), normal);
                     (0..3).for_each(|a| traction[a] += share * shear[a]);
