@@ -2,9 +2,9 @@
 
 use crate::resident::family;
 use crate::running::Running;
-use crate::tremie::tremie;
+use crate::tremie::{root, tremie};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 #[test]
@@ -28,7 +28,13 @@ fn a_case_that_is_not_there_is_named() {
 #[test]
 fn a_validation_that_is_ended_leaves_no_run() {
     for signal in ["-INT", "-TERM", "-KILL"] {
-        let mut command = tremie();
+        // A script that starts tests in the background has them ignore -INT, which a child inherits.
+        let mut command = Command::new("env");
+        command
+            .arg("--default-signal=INT")
+            .arg(tremie().get_program())
+            .current_dir(root())
+            .stdin(Stdio::null());
         command.args(["validate", "cylinder"]).stdout(Stdio::null()).stderr(Stdio::null());
         let mut running = Running::start(&mut command);
         let begin = Instant::now();
