@@ -1,4 +1,4 @@
-//! Arrays for NumPy: files in its format (NEP 1, version 1.0) in an archive (NumPy's `savez`).
+//! Arrays for NumPy: files in its format in an archive (NumPy's `savez`).
 
 use crate::columns::{OF_TABLE, ProfileTable, axes};
 use std::fs::File;
@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 use tremie_messages::frame::ProfileBin;
 use tremie_messages::scene::GrainProfile;
+use tremie_state::numpy;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -65,7 +66,7 @@ fn array(
         .last_modified_time(zip::DateTime::default())
         .large_file(bytes >= u64::from(u32::MAX) / 2);
     archive.start_file(format!("{name}.npy"), options)?;
-    archive.write_all(&header(shape))?;
+    archive.write_all(&numpy::header("<f8", shape))?;
     let mut piece = Vec::with_capacity(1 << 16);
     for value in values {
         piece.extend_from_slice(&value.to_le_bytes());
@@ -75,39 +76,4 @@ fn array(
         }
     }
     archive.write_all(&piece)
-}
-
-/// NumPy's header of an array of little-endian `f64`: magic, version, length, and a literal of
-/// Python that ends on a multiple of 64 bytes.
-fn header(shape: &[usize]) -> Vec<u8> {
-    // A comma after each length: a tuple of one needs it.
-    let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
-    let shape = lengths.trim_end();
-    let literal = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
-    let begun = 10 + literal.len() + 1;
-    let padding = begun.next_multiple_of(64) - begun;
-    let length = (literal.len() + padding + 1) as u16;
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend_from_slice(&length.to_le_bytes());
-    bytes.extend_from_slice(literal.as_bytes());
-    bytes.resize(bytes.len() + padding, b' ');
-    bytes.push(b'\n');
-    bytes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn headers_are_numpys() {
-        let of = |shape: &[usize]| {
-            let bytes = header(shape);
-            assert_eq!(bytes.len() % 64, 0);
-            assert_eq!(usize::from(u16::from_le_bytes([bytes[8], bytes[9]])), bytes.len() - 10);
-            String::from_utf8_lossy(&bytes[10..]).trim_end().to_string()
-        };
-        assert_eq!(of(&[3]), "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }");
-        assert!(of(&[2, 16]).ends_with("'shape': (2, 16,), }"));
-    }
 }

@@ -1,12 +1,13 @@
 //! Bodies: rigid things with an id of their own, and the loads on them.
 
 use crate::Message;
+use serde::{Deserialize, Serialize};
 
 /// Pose and velocity of a body, world frame, SI units. 112 bytes.
 ///
 /// The `state` channel carries one for each living body, sorted by id.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyState {
     /// Id of the body, never reused in a run.
     pub id: u64,
@@ -25,7 +26,7 @@ pub struct BodyState {
 /// The `load` channel carries one for each body of the state that it answers, in the same order.
 /// Loads of a fluid include buoyancy; grains always apply the full weight.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Load {
     /// Id of the body.
     pub id: u64,
@@ -40,7 +41,7 @@ pub struct Load {
 /// The `events` channel carries the list of each window, even an empty one, before the state of
 /// the same window. The initial bodies are the first list (number 0, in the start exchange).
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyEvent {
     /// Id of the body.
     pub id: u64,

@@ -1,5 +1,6 @@
 //! The bodies of a run by their ids: what does not change about them.
 
+use serde::{Deserialize, Serialize};
 use tremie_messages::{BodyEvent, BodyState};
 
 /// Bodies or states that a fluid cannot take.
@@ -36,7 +37,7 @@ fn named(id: Option<u64>) -> String {
 }
 
 /// A living body, with what a fluid keeps of its own about it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct KnownBody<T> {
     /// What added it.
     pub event: BodyEvent,

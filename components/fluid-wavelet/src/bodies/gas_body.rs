@@ -1,5 +1,7 @@
 //! A rigid body as the gas sees it.
 
+use serde::{Deserialize, Serialize};
+
 /// How a body's surface holds gas and heat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceHeat {
@@ -103,7 +105,7 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// Force [N] and torque about a body's centre [N m]; in fewer dimensions for each metre across.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyLoad {
     /// Force.
     pub force: [f64; 3],

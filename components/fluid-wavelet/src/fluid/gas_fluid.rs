@@ -21,6 +21,7 @@ use tremie_fluid_kit::bodies::part_way::part_way;
 use tremie_fluid_kit::checks::no_threads::no_threads;
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_state::{KeepsState, StateError, StateExchange};
 
 /// Most steps of the gas in a window.
 const MOST_STEPS: u32 = 10_000;
@@ -358,6 +359,31 @@ impl GasFluid {
     /// The gas at rest.
     pub fn initial(&self) -> &InitialGas {
         &self.initial
+    }
+}
+
+impl KeepsState for GasFluid {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.within("grid", |state| self.solver.exchange(state))?;
+        state.value("bodies", &mut self.registry.bodies)?;
+        state.value("loads", &mut self.loads)?;
+        state.value("time", &mut self.time)?;
+        state.value("steps", &mut self.steps)?;
+        state.value("points", &mut self.points)?;
+        state.value("first_sums", &mut self.first)?;
+        if state.restores() {
+            // Bodies that have just come have no state yet, and are not in the gas.
+            let states: Vec<BodyState> =
+                self.registry.bodies.iter().filter_map(|b| b.state).collect();
+            if let Err(error) = self.place(&states, 1.0) {
+                return state.unfit(error.to_string());
+            }
+            self.solver.settings.faces = self.faces.at(self.time);
+            self.solver.resume(&self.bodies);
+        }
+        Ok(())
     }
 }
 

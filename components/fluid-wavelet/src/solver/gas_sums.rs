@@ -4,9 +4,10 @@ use crate::bodies::gas_body::GasBody;
 use crate::gas::gas_law::{Gas, GasState, MOST_FIELDS};
 use crate::grid::block_shape::BlockShape;
 use crate::solver::wavelet_solver::WaveletSolver;
+use serde::{Deserialize, Serialize};
 
 /// Sums and extremes of the gas outside of bodies. Of a plane gas, sums are for a metre of depth.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GasSums {
     /// Integrals of the fields: mass, momentum, energy.
     pub fields: [f64; MOST_FIELDS],

@@ -14,6 +14,7 @@ use crate::solver::domain_faces::{DomainFace, DomainFaces};
 use crate::solver::part_times::PartTimes;
 use crate::solver::rates_pass::{OfBlock, RatesPass};
 use crate::solver::sponge::Sponge;
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 use tremie_team::{Cut, Team, Variant};
 
@@ -112,7 +113,7 @@ pub struct NoGasError {
 }
 
 /// Loads on a body by two estimators.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TwoLoads {
     /// By stress at the surface.
     pub by_stress: BodyLoad,
@@ -316,6 +317,15 @@ impl WaveletSolver {
         self.mask.find(&self.tree, &places, bodies);
         self.inside.find(&self.tree, &places, &self.mask, bodies);
         self.extend(bodies);
+    }
+
+    /// Goes on from values that were put back, with the bodies where they were then.
+    pub fn resume(&mut self, bodies: &[impl GasBody]) {
+        let places = self.places();
+        self.mask.find(&self.tree, &places, bodies);
+        self.inside.find(&self.tree, &places, &self.mask, bodies);
+        self.fill();
+        self.find_scales();
     }
 
     /// Gives points inside bodies their values.

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::impact::collision::Collider;
+use tremie_state::{StateError, StateExchange};
 
 /// A body with its path: where it was at `time`, and how it goes on from there. What the search for
 /// collisions reads comes first.
@@ -114,4 +115,33 @@ impl HardBody {
         self.last_hit = moment;
         self.stamp = self.stamp.wrapping_add(1);
     }
+}
+
+/// Keeps bodies, or puts them back.
+///
+/// # Errors
+/// A state of other bodies.
+pub fn exchange(bodies: &mut [HardBody], state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    state.column("position", bodies, |b| b.x.into(), |b, x: [f64; 3]| b.x = x.into())?;
+    state.column("velocity", bodies, |b| b.v.into(), |b, v: [f64; 3]| b.v = v.into())?;
+    state.column("time", bodies, |b| b.time, |b, time| b.time = time)?;
+    state.column("radius", bodies, |b| b.radius, |b, radius| b.radius = radius)?;
+    state.column("acceleration", bodies, |b| b.a.into(), |b, a: [f64; 3]| b.a = a.into())?;
+    state.column("inverse_mass", bodies, |b| b.inverse_mass, |b, mass| b.inverse_mass = mass)?;
+    state.column("angular_velocity", bodies, |b| b.w.into(), |b, w: [f64; 3]| b.w = w.into())?;
+    state.column("last_hit", bodies, |b| b.last_hit, |b, moment| b.last_hit = moment)?;
+    state.column(
+        "angular_acceleration",
+        bodies,
+        |b| b.alpha.into(),
+        |b, alpha: [f64; 3]| b.alpha = alpha.into(),
+    )?;
+    state.column("collisions", bodies, |b| b.stamp, |b, stamp| b.stamp = stamp)?;
+    state.column("material", bodies, |b| b.material, |b, material| b.material = material)?;
+    state.column(
+        "stopped_rests",
+        bodies,
+        |b| [b.is_stopped, b.rests].map(u8::from),
+        |b, flags: [u8; 2]| [b.is_stopped, b.rests] = flags.map(|flag| flag != 0),
+    )
 }

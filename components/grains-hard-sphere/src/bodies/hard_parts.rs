@@ -15,6 +15,7 @@ use tremie_grains_kit::space::solid_part::SolidPart;
 use tremie_messages::body::BodyState;
 use tremie_messages::scene::{Motion, Pose, Scene};
 use tremie_messages::{Load, Problem};
+use tremie_state::{StateError, StateExchange};
 
 /// A part where it is, on its way through a step.
 pub struct HardPart {
@@ -333,6 +334,40 @@ impl HardParts {
         let part = &self.parts[touch.part as usize];
         let v = part.velocity_at(at, touch.moment / step, step);
         (Collider { v, ..Collider::STILL }, at)
+    }
+
+    /// Keeps where the parts are at a window's end, or puts them back there.
+    ///
+    /// # Errors
+    /// A state of other parts.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let parts = &mut self.parts;
+        state.column("position", parts, |p| p.pose.position, |p, x| p.pose.position = x)?;
+        state.column(
+            "orientation",
+            parts,
+            |p| p.pose.orientation,
+            |p, q| p.pose.orientation = q,
+        )?;
+        state.column(
+            "velocity",
+            parts,
+            |p| p.twist.v.into(),
+            |p, v: [f64; 3]| p.twist.v = v.into(),
+        )?;
+        state.column(
+            "angular_velocity",
+            parts,
+            |p| p.twist.w.into(),
+            |p, w: [f64; 3]| p.twist.w = w.into(),
+        )?;
+        if state.restores() {
+            for part in parts {
+                part.shape.place(&part.pose);
+                part.frames = [part.shape.frame_at(&part.pose); 2];
+            }
+        }
+        Ok(())
     }
 
     /// Forces and torques, the mean over a window of a length [s]; counting begins anew.

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_state::{StateError, StateExchange};
 
 const NONE: u32 = u32::MAX;
 
@@ -98,6 +99,26 @@ impl BodyCells {
         }
         self.first[slot] = body as u32;
         self.home[body] = cell;
+    }
+
+    /// Keeps the cells that the bodies are in, or puts the bodies back into them. A body at a cell's
+    /// edge may be in either.
+    ///
+    /// # Errors
+    /// A state of other bodies or other cells.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let mut home = self.home.clone();
+        state.array("home", &mut home)?;
+        if state.restores() {
+            let is_there = |cell: &[u16; 3]| (0..3).all(|a| usize::from(cell[a]) < self.count[a]);
+            if let Some(cell) = home.iter().find(|cell| !is_there(cell)) {
+                return state
+                    .unfit(format!("the state has a body in cell {cell:?} of {:?}", self.count));
+            }
+            self.first.fill(NONE);
+            home.into_iter().enumerate().for_each(|(body, cell)| self.insert(body, cell));
+        }
+        Ok(())
     }
 
     /// Moves a body to another cell.

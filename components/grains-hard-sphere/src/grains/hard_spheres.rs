@@ -19,6 +19,7 @@ use tremie_grains_kit::space::rigid_body::Twist;
 use tremie_messages::body::{BodyEvent, BodyState};
 use tremie_messages::scene::{Domain, Motion, Scene};
 use tremie_messages::{Load, Problem};
+use tremie_state::{KeepsState, StateError, StateExchange};
 use tremie_team::Team;
 
 /// Why an advance stopped.
@@ -354,6 +355,35 @@ impl HardSpheres {
             Driver::Events(driver) => driver.events,
             Driver::Steps(_) => 0,
         }
+    }
+}
+
+impl KeepsState for HardSpheres {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Self { system, driver, .. } = self;
+        system.exchange(state)?;
+        // A state of the other way has other entries.
+        match driver {
+            Driver::Events(driver) => state.within("by_events", |state| driver.exchange(state))?,
+            Driver::Steps(driver) => state.within("by_steps", |state| driver.exchange(state))?,
+        }
+        state.array("orientation", &mut self.orientations)?;
+        state.value("steps", &mut self.steps)?;
+        if state.restores() && self.steps > 0 {
+            // Bodies came before the first step.
+            self.events.clear();
+        }
+        let walls = &mut self.wall_forces;
+        state.column(
+            "wall_force",
+            walls,
+            |f| (*f).into(),
+            |f, force: [f64; 3]| *f = force.into(),
+        )?;
+        state.value("part_loads", &mut self.part_loads)?;
+        state.value("fluid_loads", &mut self.fluid)
     }
 }
 

@@ -6,6 +6,8 @@
 //! 1998: either partner collided less than `t_c` ago), and a least impact speed `v_c` (Goetsch
 //! 2015).
 
+use serde::{Deserialize, Serialize};
+
 /// The guards of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guards {
@@ -42,7 +44,7 @@ impl Guards {
 }
 
 /// Collisions since the start, and those among them that a guard changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CollisionCount {
     /// Between bodies.
     pub pairs: u64,

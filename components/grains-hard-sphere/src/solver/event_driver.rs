@@ -12,9 +12,11 @@ use crate::impact::collision::{Collider, ImpactLaw};
 use crate::impact::guards::Guard;
 use crate::solver::event_queue::EventQueue;
 use crate::solver::hard_system::HardSystem;
+use serde::{Deserialize, Serialize};
+use tremie_state::{StateError, StateExchange};
 
 /// What a body meets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Target {
     /// A body by its number.
     Body(u32),
@@ -27,7 +29,7 @@ pub enum Target {
 }
 
 /// The earliest collision of a body that is foreseen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Foreseen {
     time: f64,
     target: Target,
@@ -36,7 +38,7 @@ struct Foreseen {
 }
 
 /// The next cell of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Crossing {
     time: f64,
     axis: u8,
@@ -100,6 +102,28 @@ impl EventDriver {
             }
         }
         self.begin_anew(system, duration);
+    }
+
+    /// Keeps what is foreseen at a window's end, or puts it back.
+    ///
+    /// # Errors
+    /// A state of other bodies.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let bodies = self.foreseen.len();
+        state.value("foreseen", &mut self.foreseen)?;
+        state.value("crossings", &mut self.crossings)?;
+        state.value("events", &mut self.events)?;
+        if [self.foreseen.len(), self.crossings.len()] != [bodies; 2] {
+            return state
+                .unfit(format!("the state foresees events of other bodies than these {bodies}"));
+        }
+        if state.restores() {
+            self.queue = EventQueue::new(bodies);
+            for (i, (foreseen, crossing)) in self.foreseen.iter().zip(&self.crossings).enumerate() {
+                self.queue.set(i, foreseen.time.min(crossing.time));
+            }
+        }
+        Ok(())
     }
 
     /// All bodies go on to the end of a window, from which moments count then.

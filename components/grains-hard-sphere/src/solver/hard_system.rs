@@ -1,13 +1,14 @@
 //! Bodies, walls and parts of a run, and what a collision does to them.
 
 use crate::Vec3;
-use crate::bodies::hard_body::HardBody;
+use crate::bodies::hard_body::{self, HardBody};
 use crate::bodies::hard_parts::HardParts;
 use crate::bodies::hard_walls::HardWalls;
 use crate::cells::body_cells::BodyCells;
 use crate::impact::collision::{Collider, ImpactLaw, Impulse};
 use crate::impact::guards::{CollisionCount, Guards};
 use crate::impact::impact_laws::ImpactLaws;
+use tremie_state::{StateError, StateExchange};
 
 /// What moves, what it meets, and what it cost so far.
 pub struct HardSystem {
@@ -113,6 +114,19 @@ impl HardSystem {
         for (i, body) in self.bodies.iter().enumerate() {
             self.cells.insert(i, self.cells.cell_of(body.x));
         }
+    }
+
+    /// Keeps the system at a window's end, or puts it back there.
+    ///
+    /// # Errors
+    /// A state of another system.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Self { bodies, cells, parts, count, virial, .. } = self;
+        state.within("bodies", |state| hard_body::exchange(bodies, state))?;
+        state.within("cells", |state| cells.exchange(state))?;
+        state.within("parts", |state| parts.exchange(state))?;
+        state.value("collisions", count)?;
+        state.value("virial", virial)
     }
 
     /// Largest acceleration of a body [m/s²].

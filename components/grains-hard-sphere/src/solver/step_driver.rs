@@ -22,6 +22,7 @@ use crate::solver::hard_system::HardSystem;
 use core::cmp::Ordering;
 use std::collections::BinaryHeap;
 use tremie_grains_kit::space::rigid_body::Twist;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// Bodies to an item of work; their rows of cells are shared out evenly among as many items.
@@ -130,6 +131,27 @@ impl StepDriver {
     /// mean of the step.
     pub fn velocity(&self, system: &HardSystem, i: usize) -> Vec3 {
         if system.bodies[i].rests { self.shown[i] } else { system.bodies[i].v }
+    }
+
+    /// Keeps what is left of the last step at its end, or puts it back.
+    ///
+    /// # Errors
+    /// A state of other bodies.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Self { accelerations, shown, .. } = self;
+        state.column(
+            "acceleration",
+            accelerations,
+            |a| a.v.into(),
+            |a, v: [f64; 3]| a.v = v.into(),
+        )?;
+        state.column(
+            "angular_acceleration",
+            accelerations,
+            |a| a.w.into(),
+            |a, w: [f64; 3]| a.w = w.into(),
+        )?;
+        state.column("shown", shown, |v| (*v).into(), |v, shown: [f64; 3]| *v = shown.into())
     }
 
     /// One step.

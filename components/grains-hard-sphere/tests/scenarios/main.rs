@@ -8,6 +8,7 @@ mod collapse;
 mod conserved;
 mod cooling;
 mod equilibrium;
+mod kept_state;
 mod missed;
 mod obstacles;
 mod rough;

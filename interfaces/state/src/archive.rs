@@ -1,0 +1,189 @@
+//! A state as a file: an archive that NumPy reads.
+
+use crate::error::StateError;
+use crate::exchange::{EntryReader, EntrySource, KeepsState, StateExchange, damaged};
+use crate::numpy;
+use crate::saved::{Content, SavedEntry, SavedState};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// Whose state a file holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StateHeader {
+    /// Name of the component in its run.
+    pub component: String,
+    /// Name of the program, without its version.
+    pub program: String,
+    /// [`KeepsState::STATE_VERSION`].
+    pub version: u32,
+    /// Window at whose end the state was kept.
+    pub window: u64,
+}
+
+/// Name of the entry of the header.
+const ABOUT: &str = "about.json";
+const ARRAY: &str = ".npy";
+const VALUE: &str = ".postcard";
+
+impl SavedState {
+    /// Writes the state into a new file, and waits until the disk has it.
+    ///
+    /// # Errors
+    /// If the file is there already, or the disk refuses; then no file is left.
+    pub fn write(&self, path: &Path, header: &StateHeader) -> Result<(), StateError> {
+        let failed = |error| StateError::Io { path: path.to_path_buf(), error };
+        let file = File::create_new(path).map_err(failed)?;
+        let written = self.fill(file, header);
+        if written.is_err() {
+            // Half a state is of no use, and its room may be.
+            let _ = std::fs::remove_file(path);
+        }
+        written.map_err(failed)
+    }
+
+    fn fill(&self, file: File, header: &StateHeader) -> io::Result<()> {
+        let mut archive = ZipWriter::new(BufWriter::with_capacity(PIECE, file));
+        let about = serde_json::to_vec_pretty(header)?;
+        archive.start_file(ABOUT, options(about.len()))?;
+        archive.write_all(&about)?;
+        for SavedEntry { name, content, bytes } in &self.entries {
+            match content {
+                Content::Array { number, shape } => {
+                    let header = numpy::header(number, shape);
+                    let length = header.len() + bytes.len();
+                    archive.start_file(format!("{name}{ARRAY}"), options(length))?;
+                    archive.write_all(&header)?;
+                }
+                Content::Value => {
+                    archive.start_file(format!("{name}{VALUE}"), options(bytes.len()))?
+                }
+            }
+            archive.write_all(bytes)?;
+        }
+        let file = archive.finish()?.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.sync_all()
+    }
+}
+
+/// Bytes that are written at once.
+const PIECE: usize = 1 << 20;
+
+/// Of an entry of a length: not compressed, and the same bytes whenever it is written.
+fn options(length: usize) -> SimpleFileOptions {
+    SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(zip::DateTime::default())
+        .large_file(length as u64 >= u64::from(u32::MAX) / 2)
+}
+
+/// A file of a state, opened to be put back.
+pub struct StateArchive {
+    path: PathBuf,
+    archive: ZipArchive<BufReader<File>>,
+    header: StateHeader,
+}
+
+impl StateArchive {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// If there is none, or it is no state.
+    pub fn open(path: &Path) -> Result<Self, StateError> {
+        let failed = |error| StateError::Io { path: path.to_path_buf(), error };
+        let file = File::open(path).map_err(failed)?;
+        let mut archive = ZipArchive::new(BufReader::with_capacity(PIECE, file))
+            .map_err(|error| failed(error.into()))?;
+        let header = read_header(&mut archive)?;
+        Ok(Self { path: path.to_path_buf(), archive, header })
+    }
+
+    /// Whose state it is.
+    pub fn header(&self) -> &StateHeader {
+        &self.header
+    }
+
+    /// Puts the state back into a component that was made anew from the same scene.
+    ///
+    /// # Errors
+    /// A damaged state, or that of another scene or version; the component is of no use then.
+    pub fn restore<T: KeepsState>(
+        &mut self,
+        program: &str,
+        component: &mut T,
+    ) -> Result<(), StateError> {
+        let say = |program: &str, version: u32| format!("{program} (state version {version})");
+        let StateHeader { program: found, version, .. } = &self.header;
+        if found != program || *version != T::STATE_VERSION {
+            let (found, expected) = (say(found, *version), say(program, T::STATE_VERSION));
+            return Err(StateError::Foreign { found, expected });
+        }
+        let mut exchange = StateExchange::restoring(self);
+        component.exchange(&mut exchange)?;
+        exchange.end()
+    }
+}
+
+fn read_header(archive: &mut ZipArchive<impl Read + Seek>) -> Result<StateHeader, StateError> {
+    let entry = archive.by_name(ABOUT).map_err(|error| damaged(ABOUT, error))?;
+    let mut text = Vec::new();
+    entry.take(MOST_ABOUT).read_to_end(&mut text).map_err(|error| damaged(ABOUT, error))?;
+    serde_json::from_slice(&text).map_err(|error| damaged(ABOUT, error))
+}
+
+/// Longest header of a state [bytes].
+const MOST_ABOUT: u64 = 1 << 16;
+
+impl EntrySource for StateArchive {
+    fn open(&mut self, name: &str) -> Result<Option<EntryReader<'_>>, StateError> {
+        let room = std::fs::metadata(&self.path).map_or(0, |file| file.len());
+        let array = format!("{name}{ARRAY}");
+        let is_array = self.archive.index_for_name(&array).is_some();
+        let file = if is_array { array } else { format!("{name}{VALUE}") };
+        let Some(index) = self.archive.index_for_name(&file) else { return Ok(None) };
+        let mut entry = self.archive.by_index(index).map_err(|error| damaged(name, error))?;
+        // What an entry says of its length may be wrong; memory is taken for it.
+        if entry.compression() != CompressionMethod::Stored || entry.size() > room {
+            return Err(damaged(name, "it is longer than the file"));
+        }
+        let size = entry.size() as usize;
+        if !is_array {
+            return Ok(Some(EntryReader {
+                content: Content::Value,
+                length: size,
+                bytes: Box::new(entry),
+            }));
+        }
+        let (content, begun) = read_array_header(name, &mut entry)?;
+        let length =
+            size.checked_sub(begun).ok_or_else(|| damaged(name, "it ends in its header"))?;
+        Ok(Some(EntryReader { content, length, bytes: Box::new(entry) }))
+    }
+
+    fn names(&self) -> Vec<String> {
+        let of = |file: &str| {
+            let name =
+                file.strip_suffix(ARRAY).or_else(|| file.strip_suffix(VALUE)).unwrap_or(file);
+            (file != ABOUT).then(|| name.to_string())
+        };
+        self.archive.file_names().filter_map(of).collect()
+    }
+}
+
+/// What an array holds, and the length of its header.
+fn read_array_header(name: &str, entry: &mut impl Read) -> Result<(Content, usize), StateError> {
+    let mut start = [0; numpy::START];
+    entry.read_exact(&mut start).map_err(|error| damaged(name, error))?;
+    let length =
+        numpy::literal_length(&start).ok_or_else(|| damaged(name, "it is no array of NumPy's"))?;
+    let mut literal = vec![0; length];
+    entry.read_exact(&mut literal).map_err(|error| damaged(name, error))?;
+    let text = String::from_utf8_lossy(&literal);
+    let (number, shape) =
+        numpy::parse(&text).ok_or_else(|| damaged(name, format!("its header is {text}")))?;
+    Ok((Content::Array { number, shape }, numpy::START + length))
+}

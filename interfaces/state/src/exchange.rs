@@ -1,0 +1,255 @@
+//! One telling of a state for both directions.
+
+use crate::error::StateError;
+use crate::number::{StateNumber, describe, shape_of};
+use crate::saved::{Content, SavedEntry};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
+use std::io::Read;
+
+/// A component, or a part of one, whose state can be kept and put back.
+pub trait KeepsState {
+    /// Version of the state: another one whenever what [`KeepsState::exchange`] names changes.
+    const STATE_VERSION: u32;
+
+    /// Names everything that what comes next depends on and that the scene does not give anew. After it has
+    /// put a state back ([`StateExchange::restores`]), the rest follows from that.
+    ///
+    /// # Errors
+    /// A state that is damaged, or another's.
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
+}
+
+/// A state on its way: out of a component, or back into it.
+pub struct StateExchange<'a> {
+    way: Way<'a>,
+    /// Names so far.
+    names: BTreeSet<String>,
+    /// What stands before the names that follow, with its full stop.
+    within: String,
+}
+
+enum Way<'a> {
+    Save(&'a mut Vec<SavedEntry>),
+    Restore(&'a mut dyn EntrySource),
+}
+
+/// Where kept entries come from.
+pub(crate) trait EntrySource {
+    /// The entry of that name.
+    fn open(&mut self, name: &str) -> Result<Option<EntryReader<'_>>, StateError>;
+
+    /// Names of all entries.
+    fn names(&self) -> Vec<String>;
+}
+
+/// An entry that is being read.
+pub(crate) struct EntryReader<'a> {
+    pub content: Content,
+    /// Length of what follows: what the source says, no more than it has.
+    pub length: usize,
+    pub bytes: Box<dyn Read + 'a>,
+}
+
+impl<'a> StateExchange<'a> {
+    pub(crate) fn saving(entries: &'a mut Vec<SavedEntry>) -> Self {
+        Self { way: Way::Save(entries), names: BTreeSet::new(), within: String::new() }
+    }
+
+    pub(crate) fn restoring(source: &'a mut dyn EntrySource) -> Self {
+        Self { way: Way::Restore(source), names: BTreeSet::new(), within: String::new() }
+    }
+
+    /// True if a state is put back.
+    pub fn restores(&self) -> bool {
+        matches!(self.way, Way::Restore(_))
+    }
+
+    /// Puts a name before the names that `tell` gives.
+    ///
+    /// # Errors
+    /// Those of `tell`.
+    pub fn within(
+        &mut self,
+        name: &str,
+        tell: impl FnOnce(&mut Self) -> Result<(), StateError>,
+    ) -> Result<(), StateError> {
+        let before = self.within.len();
+        self.within.push_str(name);
+        self.within.push('.');
+        let told = tell(self);
+        self.within.truncate(before);
+        told
+    }
+
+    /// An array whose length the scene gives.
+    ///
+    /// # Errors
+    /// A state with another length, or a damaged one.
+    pub fn array<T: StateNumber>(
+        &mut self,
+        name: &str,
+        values: &mut [T],
+    ) -> Result<(), StateError> {
+        let name = self.name(name)?;
+        match &mut self.way {
+            Way::Save(entries) => {
+                entries.push(SavedEntry::array(name, values));
+                Ok(())
+            }
+            Way::Restore(source) => {
+                let mut entry = find(*source, &name)?;
+                let rows = rows::<T>(&name, &entry)?;
+                if rows != values.len() {
+                    return Err(other_shape::<T>(name, &entry.content, values.len()));
+                }
+                fill(&name, &mut entry, bytemuck::cast_slice_mut(values))
+            }
+        }
+    }
+
+    /// An array that may have another length each time.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn list<T: StateNumber>(
+        &mut self,
+        name: &str,
+        values: &mut Vec<T>,
+    ) -> Result<(), StateError> {
+        let name = self.name(name)?;
+        match &mut self.way {
+            Way::Save(entries) => {
+                entries.push(SavedEntry::array(name, values));
+                Ok(())
+            }
+            Way::Restore(source) => {
+                let mut entry = find(*source, &name)?;
+                let rows = rows::<T>(&name, &entry)?;
+                values.clear();
+                values.resize(rows, T::zeroed());
+                fill(&name, &mut entry, bytemuck::cast_slice_mut(values))
+            }
+        }
+    }
+
+    /// A number, or a row of numbers, of each record, as an array.
+    ///
+    /// # Errors
+    /// A state of another number of records, or a damaged one.
+    pub fn column<R, T: StateNumber>(
+        &mut self,
+        name: &str,
+        records: &mut [R],
+        get: impl Fn(&R) -> T,
+        set: impl Fn(&mut R, T),
+    ) -> Result<(), StateError> {
+        let mut values: Vec<T> = records.iter().map(get).collect();
+        self.array(name, &mut values)?;
+        if self.restores() {
+            records.iter_mut().zip(values).for_each(|(record, value)| set(record, value));
+        }
+        Ok(())
+    }
+
+    /// Anything else, by its fields.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn value<T: Serialize + DeserializeOwned>(
+        &mut self,
+        name: &str,
+        value: &mut T,
+    ) -> Result<(), StateError> {
+        let name = self.name(name)?;
+        match &mut self.way {
+            Way::Save(entries) => {
+                let bytes = postcard::to_allocvec(value).map_err(|error| {
+                    StateError::Unfit(format!("`{name}` cannot be kept: {error}"))
+                })?;
+                entries.push(SavedEntry { name, content: Content::Value, bytes });
+                Ok(())
+            }
+            Way::Restore(source) => {
+                let mut entry = find(*source, &name)?;
+                if entry.content != Content::Value {
+                    return Err(damaged(&name, "it is an array"));
+                }
+                let mut bytes = vec![0; entry.length];
+                fill(&name, &mut entry, &mut bytes)?;
+                let (read, rest) =
+                    postcard::take_from_bytes(&bytes).map_err(|error| damaged(&name, error))?;
+                if !rest.is_empty() {
+                    return Err(damaged(&name, format!("{} bytes are left over", rest.len())));
+                }
+                *value = read;
+                Ok(())
+            }
+        }
+    }
+
+    /// Refuses what was put back, or what is to be kept.
+    ///
+    /// # Errors
+    /// Always: a sentence that says what does not fit.
+    pub fn unfit(&self, why: impl Into<String>) -> Result<(), StateError> {
+        Err(StateError::Unfit(why.into()))
+    }
+
+    /// Ends an exchange: every entry has been asked for.
+    pub(crate) fn end(self) -> Result<(), StateError> {
+        let Way::Restore(source) = self.way else { return Ok(()) };
+        match source.names().into_iter().find(|name| !self.names.contains(name)) {
+            Some(name) => Err(StateError::Unknown { name }),
+            None => Ok(()),
+        }
+    }
+
+    fn name(&mut self, name: &str) -> Result<String, StateError> {
+        let name = format!("{}{name}", self.within);
+        if self.names.insert(name.clone()) { Ok(name) } else { Err(StateError::Twice { name }) }
+    }
+}
+
+fn find<'s>(source: &'s mut dyn EntrySource, name: &str) -> Result<EntryReader<'s>, StateError> {
+    source.open(name)?.ok_or_else(|| StateError::Missing { name: name.to_string() })
+}
+
+/// Number of rows of an array, whose type must be `T` and whose length that of the entry.
+fn rows<T: StateNumber>(name: &str, entry: &EntryReader<'_>) -> Result<usize, StateError> {
+    let Content::Array { number, shape } = &entry.content else {
+        return Err(damaged(name, "it is no array"));
+    };
+    let Some((&rows, row)) =
+        shape.split_first().filter(|(_, row)| number == T::NAME && *row == T::ROW)
+    else {
+        return Err(other_shape::<T>(name.to_string(), &entry.content, 0));
+    };
+    match rows.checked_mul(size_of::<T>()) {
+        Some(bytes) if bytes == entry.length => Ok(rows),
+        _ => Err(damaged(name, format!("{rows} rows of {row:?} in {} bytes", entry.length))),
+    }
+}
+
+fn other_shape<T: StateNumber>(name: String, content: &Content, rows: usize) -> StateError {
+    let found = match content {
+        Content::Array { number, shape } => describe(number, shape),
+        Content::Value => "no array".into(),
+    };
+    StateError::Shape { name, found, expected: describe(T::NAME, &shape_of::<T>(rows)) }
+}
+
+fn fill(name: &str, entry: &mut EntryReader<'_>, bytes: &mut [u8]) -> Result<(), StateError> {
+    entry.bytes.read_exact(bytes).map_err(|error| damaged(name, error))?;
+    // The checksum is compared where the entry ends.
+    match entry.bytes.read(&mut [0]) {
+        Ok(0) => Ok(()),
+        Ok(_) => Err(damaged(name, "it is longer than it says")),
+        Err(error) => Err(damaged(name, error)),
+    }
+}
+
+pub(crate) fn damaged(name: &str, why: impl ToString) -> StateError {
+    StateError::Damaged { name: name.to_string(), why: why.to_string() }
+}

@@ -1,0 +1,79 @@
+//! A state in memory.
+
+use crate::error::StateError;
+use crate::exchange::{EntryReader, EntrySource, KeepsState, StateExchange};
+use crate::number::{StateNumber, shape_of};
+
+/// A state that was taken out of a component. Taking it costs a copy in memory; a file of it may be written
+/// while the component goes on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SavedState {
+    pub(crate) entries: Vec<SavedEntry>,
+}
+
+/// A named piece of a state.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct SavedEntry {
+    pub name: String,
+    pub content: Content,
+    pub bytes: Vec<u8>,
+}
+
+/// What an entry holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// Numbers of a type, and lengths.
+    Array { number: String, shape: Vec<usize> },
+    /// A value by its fields.
+    Value,
+}
+
+impl SavedEntry {
+    pub fn array<T: StateNumber>(name: String, values: &[T]) -> Self {
+        let content = Content::Array { number: T::NAME.into(), shape: shape_of::<T>(values.len()) };
+        Self { name, content, bytes: bytemuck::cast_slice(values).to_vec() }
+    }
+}
+
+impl SavedState {
+    /// The state of a component as it is now, which it keeps.
+    ///
+    /// # Errors
+    /// If the component names two entries alike, or cannot be kept now.
+    pub fn of<T: KeepsState>(component: &mut T) -> Result<Self, StateError> {
+        let mut entries = Vec::new();
+        component.exchange(&mut StateExchange::saving(&mut entries))?;
+        Ok(Self { entries })
+    }
+
+    /// Puts the state back into a component that was made anew from the same scene.
+    ///
+    /// # Errors
+    /// A state of another scene or version; the component is of no use then.
+    pub fn restore<T: KeepsState>(&self, component: &mut T) -> Result<(), StateError> {
+        let mut source = self;
+        let mut exchange = StateExchange::restoring(&mut source);
+        component.exchange(&mut exchange)?;
+        exchange.end()
+    }
+
+    /// Memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        self.entries.iter().map(|entry| entry.bytes.len()).sum()
+    }
+}
+
+impl EntrySource for &SavedState {
+    fn open(&mut self, name: &str) -> Result<Option<EntryReader<'_>>, StateError> {
+        let entry = self.entries.iter().find(|entry| entry.name == name);
+        Ok(entry.map(|entry| EntryReader {
+            content: entry.content.clone(),
+            length: entry.bytes.len(),
+            bytes: Box::new(entry.bytes.as_slice()),
+        }))
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.entries.iter().map(|entry| entry.name.clone()).collect()
+    }
+}
