@@ -1,6 +1,6 @@
 //! Every example, in its short form.
 
-use crate::tremie::{run, tremie};
+use crate::tremie::{Ran, run, tremie};
 use std::f64::consts::PI;
 
 #[test]
@@ -145,6 +145,14 @@ fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
+/// What `tremie valve` reads of a run.
+fn reading(ran: &Ran) -> serde_json::Value {
+    let said =
+        tremie().args(["valve", "--json", "--open-at", "0.7 mm"]).arg(&ran.out).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    serde_json::from_slice(&said.stdout).unwrap()
+}
+
 /// The coarse valve with its rubber ring, from its beginning to its end. It begins at rest. It
 /// opens at the pressure that lifts it off its seat, 10 %, when the ring has given back much of its
 /// compression. It holds where the forces balance, 2 %, while as much flows as the piston
@@ -205,10 +213,7 @@ fn pressure_valve() {
     assert!(leak.abs() < 0.01, "{leak} of the flow goes past the shut valve");
 
     // What a designer reads of it.
-    let said =
-        tremie().args(["valve", "--json", "--open-at", "0.7 mm"]).arg(&ran.out).output().unwrap();
-    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
-    let valve: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+    let valve = reading(&ran);
     let number =
         |path: &str| valve.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     // Half the valve is computed; 6 m/s through the whole conduit, of which these cells make one 6

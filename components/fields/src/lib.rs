@@ -74,4 +74,4 @@ mod tables;
 mod writer;
 
 pub use parameters::{Compression, Parameters, Region};
-pub use writer::Fields;
+pub use writer::{Fields, run};

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample, VolumeHeader};
 use tremie_messages::start::{Description, FrameContent, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem, Stamp};
-use tremie_sdk::{Moment, Observer, ObserverError, Setup, own_file};
+use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, own_file};
 
 /// Series of the spheres.
 const BODIES: &str = "bodies";
@@ -221,6 +221,14 @@ impl Observer for Fields {
         let folder = self.parameters.folder.display();
         Ok(format!("{folder}/: frames {}, {megabytes:.1} MB", counts.join(", ")))
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsObserver<Fields>>(line)
 }
 
 #[cfg(test)]

@@ -32,4 +32,4 @@ mod parameters;
 mod writer;
 
 pub use parameters::Parameters;
-pub use writer::ProfileWriter;
+pub use writer::{ProfileWriter, run};

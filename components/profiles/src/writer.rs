@@ -11,7 +11,7 @@ use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::GrainProfile;
 use tremie_messages::start::{Description, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem};
-use tremie_sdk::{Moment, Observer, ObserverError, Setup, own_file};
+use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, own_file};
 
 /// Writes profiles as CSV and NumPy files.
 pub struct ProfileWriter {
@@ -130,4 +130,12 @@ impl Observer for ProfileWriter {
         }
         Ok(format!("{}/: tables {}", self.parameters.folder.display(), counts.join(", ")))
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsObserver<ProfileWriter>>(line)
 }

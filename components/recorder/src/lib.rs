@@ -63,5 +63,5 @@ pub mod windows;
 
 pub use item::Item;
 pub use parameters::Parameters;
-pub use recorder::Recorder;
+pub use recorder::{Recorder, run};
 pub use recording::{End, Items, ReadError, Recording};

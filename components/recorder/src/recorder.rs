@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::start::{Description, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem};
-use tremie_sdk::{Moment, Observer, ObserverError, Setup, own_file};
+use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, own_file};
 
 /// Most windows that wait to become whole. Coupled components are a few windows apart and a stream
 /// holds a few frames: in good order this is never reached, and a file of equal runs stays equal.
@@ -240,4 +240,12 @@ impl Observer for Recorder {
             self.written.unwrap_or(0)
         ))
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsObserver<Recorder>>(line)
 }

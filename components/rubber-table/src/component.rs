@@ -10,7 +10,7 @@ use tremie_sdk::messages::scene::{DeformableSurface, Scene};
 use tremie_sdk::messages::schedule::Content;
 use tremie_sdk::messages::start::{Assignment, Description, Signal};
 use tremie_sdk::messages::{BodyState, FacetLoad, Load, Problem, SurfaceVertex};
-use tremie_sdk::{Rubber, Setup, SolverError};
+use tremie_sdk::{AsRubber, ControlPipe, Rubber, Setup, SolverError};
 
 /// Seals behind the sdk's interface, in the scene's order.
 pub struct Seals {
@@ -137,6 +137,14 @@ impl Rubber for Seals {
     fn work(&self) -> u64 {
         self.seals.iter().map(|seal| seal.vertex_count() as u64).sum()
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsRubber<Seals>>(line)
 }
 
 /// The loads on `facets` facets from number `first` on, numbered from 0.

@@ -15,6 +15,7 @@ mod finite;
 mod fluid;
 mod frames;
 mod grains;
+pub mod idle;
 mod impulse;
 mod lagged_loads;
 pub mod line;

@@ -75,4 +75,4 @@ mod viewer;
 pub use parameters::{Mode, Parameters, PlaneSetting};
 pub use quantity::CutQuantity;
 pub use session::Session;
-pub use viewer::Viewer;
+pub use viewer::{Viewer, run};

@@ -29,7 +29,7 @@ use tremie_messages::frame::{
 use tremie_messages::scene::Scene;
 use tremie_messages::start::{Description, FrameContent, Signal};
 use tremie_messages::{INTERFACE_VERSION, Problem};
-use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup};
 
 /// Timeline of simulated seconds.
 const TIME: &str = "sim_time";
@@ -386,4 +386,12 @@ impl Observer for Viewer {
         self.session.complete()?;
         Ok(format!("{} frames, {}", self.frames, self.session.note()))
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsObserver<Viewer>>(line)
 }

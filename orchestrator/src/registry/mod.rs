@@ -1,9 +1,6 @@
 //! The registry: components in the program's own executable, and commands of packages. No other
 //! room names one.
 
-mod idle;
-
-pub use idle::WINDOW;
 /// Plays the recording of a run to an observer.
 pub use tremie_recorder::Recording;
 /// A seal's table, which a manifest names.
@@ -12,7 +9,6 @@ pub use tremie_rubber_table::table::Table as SealTable;
 pub use tremie_viewer::Viewer;
 
 use clap::{ArgMatches, Args, Command, Subcommand};
-use idle::{IdleFluid, IdleGrains};
 use schemars::{Schema, SchemaGenerator};
 use tremie_messages::Role;
 use tremie_pressure_valve as pressure_valve;
@@ -47,7 +43,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "lattice Boltzmann, D3Q19: parts, open faces, moving spheres and parts",
         settings: SchemaGenerator::subschema_for::<tremie_fluid_lbm::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_lbm::component::LbmComponent>>,
+        run: tremie_fluid_lbm::component::run,
         benchmarks: tremie_fluid_lbm::benchmarks,
     },
     BuiltIn {
@@ -55,7 +51,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "particle in cell: free surface, cut cells, bodies in the pressure's solution",
         settings: SchemaGenerator::subschema_for::<tremie_fluid_pic::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_pic::component::PicComponent>>,
+        run: tremie_fluid_pic::component::run,
         benchmarks: tremie_fluid_pic::benchmarks,
     },
     BuiltIn {
@@ -63,7 +59,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "compressible gas on adaptive wavelets: shocks, wakes, moving bodies",
         settings: SchemaGenerator::subschema_for::<tremie_fluid_wavelet::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_wavelet::component::GasComponent>>,
+        run: tremie_fluid_wavelet::component::run,
         benchmarks: tremie_fluid_wavelet::benchmarks,
     },
     BuiltIn {
@@ -71,7 +67,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Grains,
         about: "discrete elements: spheres, walls and parts, friction",
         settings: SchemaGenerator::subschema_for::<tremie_grains_dem::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsGrains<tremie_grains_dem::component::SoftSpheres>>,
+        run: tremie_grains_dem::component::run,
         benchmarks: tremie_grains_dem::benchmarks,
     },
     BuiltIn {
@@ -79,9 +75,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Grains,
         about: "hard spheres: collisions without duration, from event to event or from step to step",
         settings: SchemaGenerator::subschema_for::<tremie_grains_hard_sphere::Parameters>,
-        run: tremie_sdk::run::<
-            tremie_sdk::AsGrains<tremie_grains_hard_sphere::component::HardGrains>,
-        >,
+        run: tremie_grains_hard_sphere::component::run,
         benchmarks: tremie_grains_hard_sphere::benchmarks,
     },
     BuiltIn {
@@ -89,7 +83,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Rubber,
         about: "seals of rubber by a table of force and shapes",
         settings: SchemaGenerator::subschema_for::<tremie_rubber_table::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsRubber<tremie_rubber_table::component::Seals>>,
+        run: tremie_rubber_table::component::run,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -97,7 +91,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "streams the run into the Rerun viewer",
         settings: SchemaGenerator::subschema_for::<tremie_viewer::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsObserver<Viewer>>,
+        run: tremie_viewer::run,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -105,7 +99,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "writes the run to an MCAP file",
         settings: SchemaGenerator::subschema_for::<tremie_recorder::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_recorder::Recorder>>,
+        run: tremie_recorder::run,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -113,7 +107,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "writes whole fields, bodies and parts for ParaView (VTK)",
         settings: SchemaGenerator::subschema_for::<tremie_fields::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_fields::Fields>>,
+        run: tremie_fields::run,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -121,7 +115,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "writes the tables of profiles of grains (CSV, NumPy)",
         settings: SchemaGenerator::subschema_for::<tremie_profiles::Parameters>,
-        run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_profiles::ProfileWriter>>,
+        run: tremie_profiles::run,
         benchmarks: no_benchmarks,
     },
 ];
@@ -133,7 +127,7 @@ const IDLE: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "finds no loads",
         settings: SchemaGenerator::subschema_for::<()>,
-        run: tremie_sdk::run::<tremie_sdk::AsFluid<IdleFluid>>,
+        run: tremie_sdk::idle::run_fluid,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -141,7 +135,7 @@ const IDLE: &[BuiltIn] = &[
         role: Role::Grains,
         about: "never move",
         settings: SchemaGenerator::subschema_for::<()>,
-        run: tremie_sdk::run::<tremie_sdk::AsGrains<IdleGrains>>,
+        run: tremie_sdk::idle::run_grains,
         benchmarks: no_benchmarks,
     },
 ];

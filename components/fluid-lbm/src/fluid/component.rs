@@ -19,7 +19,7 @@ use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
-use tremie_sdk::{Fluid, Setup, SolverError};
+use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
 /// The lattice fluid behind the sdk's interface.
 pub struct LbmComponent {
@@ -231,4 +231,12 @@ impl Fluid for LbmComponent {
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
         fill_volume(&self.fluid, [self.cell; 3], grid, nodes)
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsFluid<LbmComponent>>(line)
 }

@@ -14,7 +14,7 @@ use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_sdk::{Fluid, Setup, SolverError};
+use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
 /// The particle fluid behind the sdk's interface.
 pub struct PicComponent {
@@ -197,4 +197,12 @@ impl Fluid for PicComponent {
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
         fluid!(self, fluid => fill_volume(&**fluid, self.steps, grid, nodes))
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsFluid<PicComponent>>(line)
 }

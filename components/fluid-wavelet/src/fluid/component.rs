@@ -14,7 +14,7 @@ use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid, VolumeSpec};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_sdk::{Fluid, Setup, SolverError};
+use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
 /// The gas behind the sdk's interface.
 pub struct GasComponent {
@@ -185,4 +185,12 @@ impl Fluid for GasComponent {
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [SliceNode]) -> VolumeHeader {
         fill_volume(&self.fluid, self.steps, grid, nodes)
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsFluid<GasComponent>>(line)
 }

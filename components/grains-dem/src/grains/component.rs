@@ -20,7 +20,7 @@ use tremie_sdk::messages::start::{Description, ProfileSpec, Signal};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
-use tremie_sdk::{Grains, Setup, SolverError};
+use tremie_sdk::{AsGrains, ControlPipe, Grains, Setup, SolverError};
 
 /// Soft spheres behind the sdk's interface.
 pub struct SoftSpheres {
@@ -187,6 +187,14 @@ impl Grains for SoftSpheres {
     fn profile(&mut self, name: &str, bins: &mut [ProfileBin]) -> ProfileHeader {
         self.grains.profile(name, bins)
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsGrains<SoftSpheres>>(line)
 }
 
 impl SoftSpheres {

@@ -14,7 +14,7 @@ use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_sdk::{Grains, Setup, SolverError};
+use tremie_sdk::{AsGrains, ControlPipe, Grains, Setup, SolverError};
 
 /// Hard spheres behind the sdk's interface.
 pub struct HardGrains {
@@ -107,6 +107,14 @@ impl Grains for HardGrains {
             }
         }
     }
+}
+
+/// Takes part in a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run(line: ControlPipe) -> Result<(), String> {
+    tremie_sdk::run::<AsGrains<HardGrains>>(line)
 }
 
 /// Ids of the bodies that a scene follows.

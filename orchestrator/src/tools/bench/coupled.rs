@@ -3,7 +3,6 @@
 
 use crate::manifest;
 use crate::outputs::{self, Ending, RunFolder, Summary};
-use crate::registry::WINDOW;
 use crate::run::launch::this_program;
 use crate::run::{Execution, RunCall, prepare};
 use crate::terminal::{Style, Terminal};
@@ -12,6 +11,7 @@ use std::process::Stdio;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 use tremie_sdk::benchmark::{Benchmark, Measurement, Quantity};
+use tremie_sdk::idle::WINDOW;
 
 /// Bodies of exchanges, and windows that are done in a second, about.
 const EXCHANGES: [(usize, f64); 3] = [(1, 50_000.0), (1_000, 15_000.0), (100_000, 100.0)];

@@ -1,15 +1,18 @@
 //! Idle components, which compute nothing: a run of them measures the exchange alone.
 
+use crate::line::ControlPipe;
+use crate::roles::{Fluid, Grains, SolverError};
+use crate::setup::Setup;
+use crate::{AsFluid, AsGrains};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::start::Description;
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_sdk::{Fluid, Grains, Setup, SolverError};
+use tremie_messages::start::Description;
+use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 
 /// Length of a window [s]; it has no physical meaning here.
 pub const WINDOW: f64 = 1e-6;
 
 /// A fluid that finds no loads.
-pub struct IdleFluid;
+struct IdleFluid;
 
 impl Fluid for IdleFluid {
     const PROGRAM: &'static str = "idle-fluid";
@@ -39,7 +42,7 @@ impl Fluid for IdleFluid {
 }
 
 /// Grains that never move.
-pub struct IdleGrains {
+struct IdleGrains {
     count: usize,
     /// The initial bodies until the first window is over.
     events: Vec<BodyEvent>,
@@ -94,4 +97,20 @@ impl Grains for IdleGrains {
     }
 
     fn signals(&mut self, _: &mut Vec<f64>) {}
+}
+
+/// Takes part in a run as a fluid that finds no loads.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run_fluid(line: ControlPipe) -> Result<(), String> {
+    crate::run::<AsFluid<IdleFluid>>(line)
+}
+
+/// Takes part in a run as grains that never move.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run_grains(line: ControlPipe) -> Result<(), String> {
+    crate::run::<AsGrains<IdleGrains>>(line)
 }
