@@ -123,7 +123,7 @@ impl StateArchive {
             return Err(StateError::Foreign { found, expected });
         }
         let mut exchange = StateExchange::restoring(self);
-        component.exchange(&mut exchange)?;
+        component.exchange_state(&mut exchange)?;
         exchange.end()
     }
 }

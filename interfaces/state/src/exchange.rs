@@ -10,7 +10,7 @@ use std::io::Read;
 
 /// A component, or a part of one, whose state can be kept and put back.
 pub trait KeepsState {
-    /// Version of the state: another one whenever what [`KeepsState::exchange`] names changes.
+    /// Version of the state: another one whenever what [`KeepsState::exchange_state`] names changes.
     const STATE_VERSION: u32;
 
     /// Names everything that what comes next depends on and that the scene does not give anew. After it has
@@ -18,7 +18,7 @@ pub trait KeepsState {
     ///
     /// # Errors
     /// A state that is damaged, or another's.
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
 }
 
 /// A state on its way: out of a component, or back into it.

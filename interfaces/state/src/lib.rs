@@ -1,6 +1,6 @@
 //! State of a component, kept so that a run goes on from it bit for bit.
 //!
-//! A component tells its state once, for both directions: [`KeepsState::exchange`] names each array
+//! A component tells its state once, for both directions: [`KeepsState::exchange_state`] names each array
 //! and each value, and a [`StateExchange`] either keeps them or puts back what was kept.
 //!
 //! ```
@@ -15,7 +15,7 @@
 //! impl KeepsState for Pendulum {
 //!     const STATE_VERSION: u32 = 1;
 //!
-//!     fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+//!     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
 //!         state.list("angles", &mut self.angles)?;
 //!         state.value("steps", &mut self.steps)
 //!     }

@@ -42,7 +42,7 @@ impl SavedState {
     /// If the component names two entries alike, or cannot be kept now.
     pub fn of<T: KeepsState>(component: &mut T) -> Result<Self, StateError> {
         let mut entries = Vec::new();
-        component.exchange(&mut StateExchange::saving(&mut entries))?;
+        component.exchange_state(&mut StateExchange::saving(&mut entries))?;
         Ok(Self { entries })
     }
 
@@ -53,8 +53,17 @@ impl SavedState {
     pub fn restore<T: KeepsState>(&self, component: &mut T) -> Result<(), StateError> {
         let mut source = self;
         let mut exchange = StateExchange::restoring(&mut source);
-        component.exchange(&mut exchange)?;
+        component.exchange_state(&mut exchange)?;
         exchange.end()
+    }
+
+    /// The name of the first entry that another state has not, or not with the same bits.
+    pub fn first_difference<'a>(&'a self, other: &'a Self) -> Option<&'a str> {
+        let all = self.entries.iter().map(Some).chain(std::iter::repeat(None));
+        let others = other.entries.iter().map(Some).chain(std::iter::repeat(None));
+        let most = self.entries.len().max(other.entries.len());
+        let pair = all.zip(others).take(most).find(|(own, other)| own != other)?;
+        pair.0.or(pair.1).map(|entry| entry.name.as_str())
     }
 
     /// Memory that it takes [bytes].

@@ -29,7 +29,7 @@ struct Bed {
 impl KeepsState for Bed {
     const STATE_VERSION: u32 = 3;
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         let Self { grains, cells, contacts, counters } = self;
         state.within("grains", |state| {
             state.column("position", grains, |g| g.position, |g, x| g.position = x)?;
@@ -147,7 +147,7 @@ struct Other(fn(&mut StateExchange<'_>) -> Result<(), StateError>);
 impl KeepsState for Other {
     const STATE_VERSION: u32 = 3;
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         (self.0)(state)
     }
 }

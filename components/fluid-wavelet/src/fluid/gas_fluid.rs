@@ -365,7 +365,7 @@ impl GasFluid {
 impl KeepsState for GasFluid {
     const STATE_VERSION: u32 = 1;
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         state.within("grid", |state| self.solver.exchange(state))?;
         state.value("bodies", &mut self.registry.bodies)?;
         state.value("loads", &mut self.loads)?;

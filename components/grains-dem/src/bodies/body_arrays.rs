@@ -7,6 +7,7 @@
 //! orders them as ids do and is a place in dense arrays.
 
 use crate::Vec3;
+use serde::{Deserialize, Serialize};
 use tremie_geometry::Share;
 use tremie_messages::scene::{BodySet, Motion, Scene};
 
@@ -16,7 +17,7 @@ pub(crate) use tremie_grains_kit::space::rigid_body::{ALONE, BoundingSphere, Mob
 pub(crate) const NEW: u32 = u32::MAX;
 
 /// Force and torque about the centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Wrench {
     /// Force [N].
     pub force: Vec3,
@@ -130,7 +131,7 @@ impl SphereSet {
 pub(crate) const BLOCK: usize = 512;
 
 /// All bodies. Every array but `ids` and `slot` has one entry a body, in the order of memory.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Bodies {
     /// Their ranks among the living, by ids.
     pub rank: Vec<u32>,
@@ -162,6 +163,7 @@ pub(crate) struct Bodies {
     pub poly: Vec<u32>,
     /// Radii of spheres of equal volume, by the numbers of polyhedra [m].
     pub equal_radii: Vec<f64>,
+    #[serde(skip)]
     spare: Spare,
 }
 

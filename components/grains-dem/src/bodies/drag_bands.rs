@@ -13,8 +13,10 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BLOCK, Bodies};
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_messages::scene::Scene;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// What a band took from the bodies since the start.
@@ -45,7 +47,7 @@ struct Band {
 }
 
 /// Sum of `-F` and `-F.v`, or of these over time.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Taken {
     momentum: Vec3,
     energy: f64,
@@ -89,6 +91,11 @@ impl Band {
 }
 
 impl DragBands {
+    /// Keeps what the bands have taken, or puts it back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("taken", &mut self.taken)
+    }
+
     /// The bands of a scene for a run of so many bodies at most.
     pub fn of_scene(scene: &Scene, bounds: &PeriodicBox, capacity: usize) -> Self {
         let gravity = Vec3::from(scene.gravity).norm_squared().sqrt();

@@ -17,6 +17,7 @@
 //! that they may have reached since: what is found is the same.
 
 use crate::Vec3;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::wall_triangle::{Triangle, border};
 
 /// A point of a wall within reach of a sphere.
@@ -82,7 +83,7 @@ pub(crate) struct Seeker {
 }
 
 /// State of a sphere at its last full search of the triangles near it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct LookedFrom {
     centre: Vec3,
     /// Travel of the surface until then [m].

@@ -3,9 +3,10 @@
 
 use crate::bodies::body_arrays::Bodies;
 use core::ops::Range;
+use serde::{Deserialize, Serialize};
 
 /// Place of moving parts in the order of bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct MessageOrder {
     /// Id of the first of them: the number of spheres at the start.
     pub first_part: u64,

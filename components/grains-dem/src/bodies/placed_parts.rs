@@ -16,6 +16,7 @@ use tremie_messages::{
     body::BodyState,
     scene::{Motion, Part, Pose, Scene},
 };
+use tremie_state::{StateError, StateExchange};
 
 /// Motion of a part: fixed, prescribed or a slider.
 enum Drive {
@@ -135,6 +136,21 @@ impl PlacedPart {
             bounds.min[a] < plane - room && bounds.max[a] > plane + room
         };
         across_mirrors(key, slider, domain, self.mirrors, across)
+    }
+
+    /// Keeps where the part is at a window's end, or puts it back there.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.array("position", &mut self.pose.position)?;
+        state.array("orientation", &mut self.pose.orientation)?;
+        state.value("twist", &mut self.twist)?;
+        state.value("moved", &mut self.moved)?;
+        if let Drive::Slider(slider) = &mut self.drive {
+            state.within("slider", |state| slider.exchange(state))?;
+        }
+        if state.restores() {
+            self.shape.place(&self.pose);
+        }
+        Ok(())
     }
 
     /// True if the part moves, and so is a body of the run.

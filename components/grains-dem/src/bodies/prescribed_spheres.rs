@@ -3,6 +3,7 @@
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, Twist};
 use tremie_grains_kit::motion::prescribed_motion::Path;
 use tremie_messages::scene::{Motion, Scene};
+use tremie_state::{StateError, StateExchange};
 
 /// Paths, and the spheres that follow them.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +14,11 @@ pub(crate) struct Driven {
 }
 
 impl Driven {
+    /// Keeps which bodies follow which path, or puts it back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("followers", &mut self.followers)
+    }
+
     /// The spheres of sets with points; those without keep their velocity as free ones do.
     pub fn of_scene(scene: &Scene, spheres: &[PlacedSphere]) -> Self {
         let mut driven = Self::default();

@@ -3,13 +3,15 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::Twist;
 use crate::bodies::springs::{SpringLaw, StopLaw};
+use serde::{Deserialize, Serialize};
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Face};
 use tremie_messages::{body::Load, scene};
+use tremie_state::{StateError, StateExchange};
 
 /// Force of contacts along an axis, added up in fixed point: whole numbers have the same sum in any
 /// order, so that where bodies stand in memory does not enter the motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Along(i128);
 
 /// 2^90: a unit is 8e-28 N, and sums up to 1e11 N have room.
@@ -37,7 +39,7 @@ impl Along {
 }
 
 /// Forces along the axis [N].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pushes {
     pub spring: f64,
     pub stops: f64,
@@ -75,6 +77,16 @@ pub(crate) struct Slider {
 }
 
 impl Slider {
+    /// Keeps lift, velocity and forces at a window's end, or puts them back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("home", &mut self.home)?;
+        state.value("lift", &mut self.lift)?;
+        state.value("velocity", &mut self.velocity)?;
+        state.value("predicted", &mut self.predicted)?;
+        state.value("pushes", &mut self.pushes)?;
+        state.value("listed", &mut self.listed)
+    }
+
     /// A valid slider of a scene at its start, the part's origin at `position`.
     pub fn new(slider: &scene::Slider, position: Vec3, gravity: Vec3, whole: f64) -> Self {
         let axis = unit(slider.axis);

@@ -29,6 +29,7 @@ use crate::bodies::body_arrays::Twist;
 use crate::contact::contact_law::Law;
 use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::{Reduced, Stiffness};
+use serde::{Deserialize, Serialize};
 
 /// Geometry and kinematics of a contact at the end of a step.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +47,7 @@ pub(crate) struct Contact {
 }
 
 /// History of a contact: its state from step to step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ContactHistory {
     /// Tangential displacement [m], advanced by half a step beyond the last evaluation: the next
     /// one adds the other half, which makes its integration the trapezoidal rule.

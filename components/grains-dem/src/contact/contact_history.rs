@@ -6,9 +6,10 @@ use crate::contact::contact_force::ContactHistory;
 use crate::contact::contact_law::Law;
 use crate::contact::region_shares::of_one_region;
 use crate::contact::springs::Reduced;
+use serde::{Deserialize, Serialize};
 
 /// A contact at the last evaluation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Remembered {
     pub memory: ContactHistory,
     /// Share of the contact that counts, see [`crate::contact::region_shares`].
@@ -18,7 +19,7 @@ pub(crate) struct Remembered {
 }
 
 /// The contacts of a body at the last evaluation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct WallContactHistory {
     list: [Remembered; MOST],
     count: usize,

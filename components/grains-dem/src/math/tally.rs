@@ -1,10 +1,12 @@
 //! Tally of the contacts of one evaluation of the forces.
 
+use serde::{Deserialize, Serialize};
+
 /// Overlap over the smaller radius beyond which a contact is counted as too soft.
 pub(crate) const DEEP: f64 = 0.05;
 
 /// Numbers of contacts, and the deepest.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Tally {
     /// Contacts.
     pub contacts: u64,
@@ -15,7 +17,7 @@ pub(crate) struct Tally {
 }
 
 /// The deepest contact of an evaluation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Deepest {
     /// Overlap over the smaller radius.
     pub ratio: f64,
@@ -26,7 +28,7 @@ pub(crate) struct Deepest {
 }
 
 /// The other side of a contact, by index.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) enum Other {
     Body(u32),
     Wall(u32),

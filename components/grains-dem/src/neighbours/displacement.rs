@@ -1,7 +1,9 @@
 //! Displacement of bodies since neighbours were listed.
 
+use serde::{Deserialize, Serialize};
+
 /// Upper bound of the displacement of the bodies of each block since neighbours were listed [m].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct MaxDisplacement {
     blocks: Vec<f64>,
     all: f64,

@@ -15,9 +15,11 @@ use crate::bodies::body_arrays::{NEW, Wrench};
 use crate::contact::contact_force::{Contact, ContactHistory};
 use crate::contact::springs::Reduced;
 use crate::neighbours::active_contacts::Acting;
+use serde::{Deserialize, Serialize};
+use tremie_team::Team;
 
 /// A possible contact.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 #[repr(C)]
 pub(crate) struct ListedPair {
     /// Index of the other body.
@@ -60,7 +62,7 @@ impl ListedPair {
 }
 
 /// Result of a contact at the last evaluation: 64 bytes, read as a whole.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(crate) struct ContactState {
     /// Unit normal, away from the body of the entry.
@@ -105,7 +107,7 @@ impl ContactState {
 }
 
 /// Rolling friction of a contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Rolling {
     /// Displacement that is remembered [m]; see [`ContactHistory::rolling`].
     pub displacement: Vec3,
@@ -123,7 +125,7 @@ pub(crate) const ACTING: u8 = 1;
 pub(crate) const TOUCHING: u8 = 2;
 
 /// The list.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct NeighbourList {
     /// Entries of the blocks of bodies: from `bounds[b]` to `bounds[b + 1]`.
     pub bounds: Vec<u32>,
@@ -152,6 +154,7 @@ pub(crate) struct NeighbourList {
     /// other of that entry.
     pub places: Vec<u32>,
     /// Contacts that act.
+    #[serde(skip)]
     pub acting: Acting,
     /// Across which periodic faces each body went since the list was made, as far as entries know;
     /// see [`Bodies::crossed`](crate::bodies::body_arrays::Bodies::crossed).
@@ -163,6 +166,24 @@ impl NeighbourList {
     #[inline(always)]
     pub fn places_of(&self, i: usize) -> &[u32] {
         &self.places[self.collected[i] as usize..self.collected[i + 1] as usize]
+    }
+
+    /// Forgets what buffers still hold of contacts that were: of pairs that do not feel each other.
+    pub fn forget_ended(&mut self) {
+        for k in (0..self.state.len()).filter(|&k| self.state[k] == 0) {
+            self.xi[k] = Vec3::zeros();
+            self.records[k] = ContactState::NONE;
+            if let Some(rolling) = self.rolling.get_mut(k) {
+                *rolling = Rolling::NONE;
+            }
+        }
+    }
+
+    /// Finds which contacts act, once the list is there.
+    pub fn find_acting(&mut self, team: &mut Team) {
+        if !self.collected.is_empty() {
+            self.acting.make(team, (&self.collected, &self.places), &self.state);
+        }
     }
 
     /// Contacts of body i that act.

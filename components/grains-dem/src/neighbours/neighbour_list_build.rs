@@ -245,7 +245,7 @@ impl NeighbourListBuilder {
                 *place = *key as u32;
             }
         });
-        pairs.acting.make(team, (&pairs.collected, &pairs.places), &pairs.state);
+        pairs.find_acting(team);
     }
 }
 

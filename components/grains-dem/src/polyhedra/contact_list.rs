@@ -22,6 +22,7 @@ use crate::math::tally::Tally;
 use crate::neighbours::neighbour_list_build::SolidPair;
 use crate::walls::contact_rows::ContactRows;
 use crate::walls::part_contacts::WallId;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::neighbours::size_classes::Skins;
 use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_grains_kit::space::plane_walls::Wall;
@@ -39,7 +40,7 @@ pub(crate) const OF_PAIR: usize = 2 * (size_of::<SolidPairEntry>() + size_of::<O
     + 4 * size_of::<u32>();
 
 /// The list.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PolyContacts {
     entries: Vec<SolidPairEntry>,
     memories: Vec<OverlapHistory>,
@@ -55,8 +56,11 @@ pub(crate) struct PolyContacts {
     /// The entries of each body: twice the entry, and one more where the body is the other.
     pub rows: ContactRows<u32>,
     tallies: Vec<Tally>,
+    #[serde(skip)]
     benches: Vec<Bench>,
+    #[serde(skip)]
     before: Vec<SolidPairEntry>,
+    #[serde(skip)]
     memories_before: Vec<OverlapHistory>,
     near: Vec<u32>,
 }

@@ -15,13 +15,14 @@ use crate::contact::contact_law::Law;
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::plane_walls::Wall;
 
 /// Most contacts with walls and parts: directions in which they press.
 pub(super) const MOST: usize = 8;
 
 /// Partner of a polyhedron in a pair, in the order in which loads are added up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) enum SolidPairKind {
     Body,
     /// All walls and parts.
@@ -30,7 +31,7 @@ pub(super) enum SolidPairKind {
 
 /// A possible contact: of the body with the smaller id with another, or of a polyhedron with a
 /// surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct SolidPairEntry {
     /// Id of the body, kind and id of the other: in this order they stand in the list.
     pub key: (u64, SolidPairKind, u64),

@@ -12,9 +12,10 @@
 
 use super::shape::{to_body, to_world, turned_axes};
 use crate::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Moments of inertia [kg·m²] about unit vectors in the body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Inertia {
     pub moments: [f64; 3],
     pub axes: [Vec3; 3],

@@ -25,8 +25,10 @@ pub(crate) use shape::{Shape, to_world, turned_axes};
 use crate::Vec3;
 use crate::bodies::body_arrays::PlacedSolid;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, Wrench};
+use serde::{Deserialize, Serialize};
 use shape::Solid;
 use tremie_messages::scene::Scene;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::{Cut, Team};
 
 /// Memory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron
@@ -38,7 +40,7 @@ pub(crate) const OF_BODY: usize =
 const TOGETHER: usize = 16;
 
 /// A polyhedron of the run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Grain {
     pub id: u64,
     /// Place of the body in memory.
@@ -113,6 +115,13 @@ impl Polyhedra {
         own.normal_bounds.push(own.normals.len() as u32);
         own.each(team, |_| ());
         own
+    }
+
+    /// Keeps where they are and how they turn, or puts it back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("grains", &mut self.grains)?;
+        state.value("vertices", &mut self.vertices)?;
+        state.value("normals", &mut self.normals)
     }
 
     pub fn is_empty(&self) -> bool {

@@ -28,9 +28,10 @@ use crate::contact::contact_law::Law;
 use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::Dashpot;
 use crate::math::simd::lanes::Lane3;
+use serde::{Deserialize, Serialize};
 
 /// History of a contact of a polyhedron.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct OverlapHistory {
     /// Tangential displacement [m]; see
     /// [`ContactHistory::xi`](crate::contact::contact_force::ContactHistory::xi).

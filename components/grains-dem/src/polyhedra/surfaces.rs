@@ -18,10 +18,11 @@ use crate::bodies::body_arrays::{Twist, Wrench};
 use crate::bodies::mesh_contact::SAME;
 use crate::math::tally::{Other, Tally};
 use crate::walls::part_contacts::WallId;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::wall_triangle::Triangle;
 
 /// A wall or part near a polyhedron.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Owner {
     pub met: WallId,
     pub rank: u32,

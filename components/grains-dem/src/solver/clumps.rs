@@ -14,9 +14,11 @@ use crate::polyhedra::{Inertia, to_world, turned_axes};
 use crate::solver::force_sum::ForceSum;
 use crate::solver::integrate::AppliedForces;
 pub(crate) use assembly::{Misfit, Whole, wholes};
+use serde::{Deserialize, Serialize};
 pub(crate) use tremie_grains_kit::signals::followed::clump_numbers as numbers;
 #[cfg(feature = "component")]
 use tremie_messages::BodyState;
+use tremie_state::{StateError, StateExchange};
 
 /// The clumps of a run.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +27,7 @@ pub(crate) struct Clumps {
 }
 
 /// Bodies that move as one.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Clump {
     members: Vec<Member>,
     /// Mass [kg].
@@ -46,7 +48,7 @@ pub(crate) struct Clump {
 }
 
 /// A body of a clump.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Member {
     rank: u32,
     /// Vector from the centroid, in the frame of the clump [m].
@@ -58,6 +60,11 @@ struct Member {
 }
 
 impl Clumps {
+    /// Keeps where they are and how they move, or puts it back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("clumps", &mut self.all)
+    }
+
     /// All of them.
     pub fn all(&self) -> &[Clump] {
         &self.all

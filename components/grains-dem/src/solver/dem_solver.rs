@@ -93,11 +93,11 @@ pub(crate) struct StepRecord {
     pub reaches: Vec<StepDisplacement>,
     /// Displacements of blocks since neighbours were listed, and true if any body crossed a
     /// periodic face.
-    wandered: MaxDisplacement,
+    pub(super) wandered: MaxDisplacement,
     pub crossed: bool,
     /// Sum of the tallies of the last evaluation.
-    tally: Tally,
-    max_overlap_ratio: f64,
+    pub(super) tally: Tally,
+    pub(super) max_overlap_ratio: f64,
     pub(super) deep_overlaps: u64,
 }
 
@@ -106,7 +106,7 @@ pub(crate) struct FluidLoads {
     /// True if there are any in this window.
     pub loaded: bool,
     /// Their impulse since the start [N·s].
-    fluid_impulse: Vec3,
+    pub(super) fluid_impulse: Vec3,
     load_sums: Vec<Result<Vec3, GrainsError>>,
 }
 

@@ -17,6 +17,7 @@ use crate::math::simd::vec4::Four;
 use crate::solver::dem_solver::FluidLoads;
 use crate::solver::force_sum::ForceSum;
 use crate::solver::neighbour_search::{Contacts, Search};
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::neighbours::size_classes::Leash;
 use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_team::{Cut, Team, Variant, instructions::Work};
@@ -54,7 +55,7 @@ impl<'a> AppliedForces<'a> {
 }
 
 /// Displacement of bodies in a step.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct StepDisplacement {
     /// Square of the largest distance of a body from its reference position [m²]; NaN if any is.
     pub farthest: f64,

@@ -8,6 +8,7 @@ pub mod force_sum;
 pub mod heun;
 pub mod integrate;
 pub mod interaction_context;
+pub mod kept_state;
 pub mod moved_bodies;
 pub mod neighbour_search;
 pub mod overlaps;

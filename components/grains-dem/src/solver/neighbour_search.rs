@@ -15,6 +15,7 @@ use crate::walls::wall_contacts::{self, WallContacts};
 use tremie_grains_kit::neighbours::linked_cells::LinkedCells;
 use tremie_grains_kit::neighbours::size_classes::{Leash, Skins};
 use tremie_grains_kit::space::periodic::PeriodicBox;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::{Cut, Team};
 
 /// Bodies are put in order of space at every so many lists: in between they move by a diameter or
@@ -84,6 +85,31 @@ impl Search {
             keys: Vec::with_capacity(bodies),
             moved: None,
         }
+    }
+
+    /// Keeps the lists with what contacts remember, or puts them back, for bodies that are back
+    /// already. Surfaces that deform are not kept.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        (team, bodies): (&mut Team, &Bodies),
+    ) -> Result<(), StateError> {
+        self.pairs.forget_ended();
+        state.value("pairs", &mut self.pairs)?;
+        state.value("walls", &mut self.walls)?;
+        state.value("parts", &mut self.parts)?;
+        state.value("solids", &mut self.solids)?;
+        state.value("lists_made", &mut self.rebuilds)?;
+        state.value("on_walls", &mut self.on_walls)?;
+        state.value("evaluated", &mut self.evaluated)?;
+        state.value("moved", &mut self.moved)?;
+        if state.restores() {
+            // Classes of sizes are those of the bodies in their order in memory.
+            self.cells.sort(&bodies.balls);
+            self.pairs.find_acting(team);
+            self.surfaces.fit(bodies.len());
+        }
+        Ok(())
     }
 
     /// Classes of sizes, and their skins.

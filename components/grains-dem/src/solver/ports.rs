@@ -14,14 +14,15 @@ use crate::solver::interaction_context::InteractionContext;
 use crate::solver::placement;
 use inlet::Feeder;
 pub(crate) use inlet::region;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::packing::random_packing::{self, Feeding, Sizes};
 use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_messages::scene::{Diameters, Domain, InletVelocity, Outlet, Packing, Scene};
+use tremie_state::{StateError, StateExchange};
 
 /// Totals of an inlet since the start, and its deficit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InletState {
     /// Spheres that came since the start.
     pub inserted: u64,
@@ -33,7 +34,7 @@ pub struct InletState {
 }
 
 /// Totals of an outlet since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OutletState {
     /// Spheres that went since the start.
     pub removed: u64,
@@ -135,6 +136,17 @@ fn free_volume(scene: &Scene, parts: &[PlacedPart]) -> f64 {
 }
 
 impl Ports {
+    /// Keeps the accounts of inlets and outlets, or puts them back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        for (k, feeder) in self.feeders.iter_mut().enumerate() {
+            state.within(&format!("inlet{k}"), |state| feeder.exchange(state))?;
+        }
+        for (k, (_, totals)) in self.outlets.iter_mut().enumerate() {
+            state.value(&format!("outlet{k}"), totals)?;
+        }
+        Ok(())
+    }
+
     /// Inlets and outlets of a valid scene, for steps of `dt` [s].
     pub fn of_scene(
         scene: &Scene,

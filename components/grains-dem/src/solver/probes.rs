@@ -16,6 +16,7 @@ use rings::Annulus;
 use sections::Section;
 use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_messages::scene::{Domain, Probe, ProbeShape, Scene};
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// Volume of the part of a sphere that lies in a box [m³].
@@ -132,6 +133,18 @@ impl Probes {
         }
         own.fit(bodies.len());
         own
+    }
+
+    /// Keeps what has passed sections, or puts it back, for bodies that are back already.
+    pub fn keep(&mut self, state: &mut StateExchange<'_>, bodies: usize) -> Result<(), StateError> {
+        state.value("sections", &mut self.sections)?;
+        state.value("mass", &mut self.mass)?;
+        state.value("parts", &mut self.parts)?;
+        state.value("before", &mut self.before)?;
+        if state.restores() {
+            self.fit(bodies);
+        }
+        Ok(())
     }
 
     /// Sums for so many bodies.

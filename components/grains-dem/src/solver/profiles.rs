@@ -17,6 +17,7 @@ use tremie_grains_kit::profiles::{GrainSample, ProfileSampler};
 use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::{Domain, Scene};
+use tremie_state::{StateError, StateExchange};
 use tremie_team::{Cut, Team};
 
 /// The profiles of a run.
@@ -39,6 +40,16 @@ impl Profiles {
             windows: 0,
             samples: Vec::with_capacity(if scene.profiles.is_empty() { 0 } else { room }),
         }
+    }
+
+    /// Keeps the tables that were begun, or puts them back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("windows", &mut self.windows)?;
+        for sampler in &mut self.samplers {
+            let name = sampler.name().to_string();
+            state.within(&name, |state| sampler.exchange(state))?;
+        }
+        Ok(())
     }
 
     /// True if a sample is due at the end of the window that goes on.

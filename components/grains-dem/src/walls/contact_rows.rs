@@ -2,9 +2,10 @@
 
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Wrench;
+use serde::{Deserialize, Serialize};
 
 /// Bodies near something, with the sum of its forces on each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct LoadedBodies {
     /// Indices of the bodies, ascending.
     pub bodies: Vec<u32>,
@@ -41,7 +42,7 @@ impl LoadedBodies {
 }
 
 /// Rows of entries, one for each body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ContactRows<E> {
     /// The bodies.
     pub on: LoadedBodies,

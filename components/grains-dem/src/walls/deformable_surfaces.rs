@@ -46,14 +46,15 @@ impl Surfaces {
             let whole = parts[surface.carrier].slider().map_or(1.0, |slider| slider.whole);
             SurfaceContacts::new(surface, laws.material(&surface.material), whole)
         };
-        Self {
-            held: surfaces.iter().map(hold).collect(),
-            on: LoadedBodies {
-                bounds: vec![0; bodies.div_ceil(BLOCK) + 1],
-                ..LoadedBodies::default()
-            },
-            ..Self::default()
-        }
+        let mut own = Self { held: surfaces.iter().map(hold).collect(), ..Self::default() };
+        own.fit(bodies);
+        own
+    }
+
+    /// Gives each block of so many bodies its place in the list of those near, which is empty.
+    pub fn fit(&mut self, bodies: usize) {
+        self.on.bounds.clear();
+        self.on.bounds.resize(bodies.div_ceil(BLOCK) + 1, 0);
     }
 
     /// Bodies moved, and what they reach with them.

@@ -23,18 +23,19 @@ use crate::walls::part_finder::{FoundParts, PartSearch, SOME};
 use crate::walls::part_forces::{NearWalls, SphereAtWalls};
 use crate::walls::reached_walls::Reached;
 use crate::walls::wall_contacts::WallContacts;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_team::{Cut, Team};
 
 /// Part or wall near a body, by number.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum WallId {
     Part(u32),
     Wall(u32),
 }
 
 /// A body near a part or a wall.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct ListedWall {
     pub met: WallId,
     pub law: u16,
@@ -47,7 +48,7 @@ pub(crate) struct ListedWall {
 }
 
 /// Rows of entries, one for each body here, in the order of memory.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PartContacts {
     pub rows: ContactRows<ListedWall>,
     histories: Vec<WallContactHistory>,
@@ -75,7 +76,7 @@ pub(crate) struct PartContacts {
 }
 
 /// Contacts of a body with parts and walls.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct WallVirial {
     /// Number of contacts, those of one region counted once.
     pub contacts: u32,
@@ -84,7 +85,7 @@ pub(crate) struct WallVirial {
 }
 
 /// Load on a part, and along its axis, if it is a slider.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct PartLoad {
     pub wrench: Wrench,
     pub push: Along,

@@ -10,12 +10,13 @@ use crate::contact::plane_walls::WallLaws;
 use crate::contact::springs::Reduced;
 use crate::walls::contact_rows::{ContactRows, FoundRows};
 use crate::walls::part_contacts::PartContacts;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::neighbours::size_classes::Skins;
 use tremie_grains_kit::space::plane_walls::Wall;
 use tremie_team::Team;
 
 /// A possible contact with a wall.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct WallEntry {
     /// Index of the wall.
     pub wall: u32,
@@ -32,7 +33,7 @@ pub(crate) struct WallEntry {
 }
 
 /// The possible contacts of bodies near walls, by body and wall.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct WallContacts {
     pub rows: ContactRows<WallEntry>,
 }

@@ -9,6 +9,7 @@ mod drag_bands;
 mod exchange;
 mod impulse;
 mod integrators;
+mod kept_state;
 mod order;
 mod pile;
 mod ports;

@@ -361,7 +361,7 @@ impl HardSpheres {
 impl KeepsState for HardSpheres {
     const STATE_VERSION: u32 = 1;
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         let Self { system, driver, .. } = self;
         system.exchange(state)?;
         // A state of the other way has other entries.

@@ -61,7 +61,8 @@ impl Case {
             assert_eq!(second.events(), first.events());
             assert_eq!(second.diagnostics(), first.diagnostics());
             self.go_on(&mut second, most - stop);
-            assert!(SavedState::of(&mut second).unwrap() == expected, "from window {stop}");
+            let ended = SavedState::of(&mut second).unwrap();
+            assert_eq!(ended.first_difference(&expected), None, "from window {stop}");
             assert_eq!(second.diagnostics(), whole.diagnostics());
             assert_eq!(second.part_loads(), whole.part_loads());
         }

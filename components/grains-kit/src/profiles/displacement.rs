@@ -1,9 +1,10 @@
 //! Velocities by the displacement since the sample before.
 
+use serde::{Deserialize, Serialize};
 use tremie_messages::scene::Domain;
 
 /// Places of the grains at the sample before, and those of this one as they come.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Displacements {
     /// By ascending ids.
     before: Vec<(u64, [f64; 3])>,

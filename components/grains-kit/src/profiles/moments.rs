@@ -1,10 +1,11 @@
 //! Weighted mean and covariance of velocities, one after the other.
 
 use super::grain_sample::PAIRS;
+use serde::{Deserialize, Serialize};
 
 /// Weighted mean of velocities and the sum of the weighted products of their differences from it
 /// (West 1979, for each pair of components).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct VelocityMoments {
     weight: f64,
     mean: [f64; 3],

@@ -7,6 +7,7 @@ use super::sums::{BinMeasure, BinSums};
 use tremie_messages::Stamp;
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::{Domain, GrainProfile, ProfileSchedule, ProfileVelocity};
+use tremie_state::{StateError, StateExchange};
 
 /// A profile with the sums of its table.
 #[derive(Clone, Debug)]
@@ -54,6 +55,24 @@ impl ProfileSampler {
         };
         let samples = if profiles.is_empty() { 0 } else { grains * size_of::<GrainSample>() };
         (samples + profiles.iter().map(of_profile).sum::<usize>()) as u64
+    }
+
+    /// Keeps the table that was begun, or puts it back.
+    ///
+    /// # Errors
+    /// A state of another profile.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let bins = self.sums.len();
+        state.value("sums", &mut self.sums)?;
+        state.value("begin", &mut self.begin)?;
+        state.value("last", &mut self.last)?;
+        state.value("samples", &mut self.samples)?;
+        state.value("displacements", &mut self.displacements)?;
+        if self.sums.len() != bins {
+            return state
+                .unfit(format!("the state has {} bins of a profile of {bins}", self.sums.len()));
+        }
+        Ok(())
     }
 
     /// Name of the profile.

@@ -2,10 +2,11 @@
 
 use super::grain_sample::GrainSample;
 use super::moments::VelocityMoments;
+use serde::{Deserialize, Serialize};
 use tremie_messages::frame::ProfileBin;
 
 /// Sums of a bin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct BinSums {
     grains: u64,
     contacts: u64,

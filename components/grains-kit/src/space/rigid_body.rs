@@ -2,12 +2,13 @@
 //! mobility.
 
 use crate::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Marks a body that is in no clump.
 pub const ALONE: u32 = u32::MAX;
 
 /// A sphere in space, or that around a polyhedron: what the search for contacts reads.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct BoundingSphere {
     /// Centre [m].
@@ -17,7 +18,7 @@ pub struct BoundingSphere {
 }
 
 /// Velocity and angular velocity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Twist {
     /// Velocity of the centre [m/s].
@@ -41,7 +42,7 @@ impl Twist {
 }
 
 /// Inverse mass and inverse inertia; both 0 for a body whose motion is given.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mobility {
     /// `1/m` [1/kg]; of a body in a clump that of the clump.
     pub inverse_mass: f64,

@@ -14,10 +14,11 @@ use crate::contact::springs::hertz_mindlin::HertzMindlin;
 use crate::contact::springs::linear_no_history::LinearNoHistory;
 use crate::contact::springs::linear_spring::LinearSpring;
 use crate::contact::springs::mean_mass_spring::MeanMassSpring;
+use serde::{Deserialize, Serialize};
 use tremie_messages::scene::Spring;
 
 /// Masses and size of a pair.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub(crate) struct Reduced {
     /// `sqrt(m*)` [kg^(1/2)].

@@ -3,6 +3,7 @@
 use crate::Vec3;
 use tremie_grains_kit::packing::random_packing::{Sizes, Upstream};
 use tremie_messages::scene::Packing;
+use tremie_state::{StateError, StateExchange};
 
 /// Entry of spheres into a region, and the region's volume from there on.
 ///
@@ -26,6 +27,11 @@ pub(super) struct Filled {
 const GUESS: f64 = 10.0;
 
 impl Filled {
+    /// Keeps the account of what came, or puts it back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.array("came", &mut self.came)
+    }
+
     /// Filled part of a region with these free `slices` along the stream; without a stream all of
     /// it is filled.
     pub fn new(

@@ -21,6 +21,7 @@ use core::f64::consts::PI;
 use tremie_grains_kit::math::random::Random;
 use tremie_grains_kit::packing::random_packing::{self, Feeding, Sizes, Upstream};
 use tremie_messages::scene::{Inlet, InletVelocity, Packing, Scene};
+use tremie_state::{StateError, StateExchange};
 
 /// Steps of the grains between two insertions, unless the scene says otherwise.
 const STEPS: u64 = 50;
@@ -110,6 +111,18 @@ impl Feeder {
             filled,
             region,
         })
+    }
+
+    /// Keeps the account of the inlet, or puts it back.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.array("velocity", &mut self.velocity)?;
+        state.value("last", &mut self.last)?;
+        state.value("failed", &mut self.failed)?;
+        state.value("held", &mut self.held)?;
+        state.value("loss", &mut self.loss)?;
+        state.value("owed", &mut self.owed)?;
+        self.filled.exchange(state)?;
+        state.value("totals", &mut self.state)
     }
 
     /// True if spheres may come now.

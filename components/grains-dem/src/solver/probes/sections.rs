@@ -3,11 +3,12 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_team::{Cut, Team};
 
 /// A rectangle across an axis, and the spheres that have passed it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Section {
     axis: usize,
     position: f64,
@@ -23,7 +24,7 @@ pub(super) struct Section {
 }
 
 /// Centres that passed along the axis, less centres that passed against it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct SectionSum {
     number: i64,
     /// Their mass [kg].

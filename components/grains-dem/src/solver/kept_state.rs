@@ -1,0 +1,62 @@
+//! The state of all bodies and contacts, kept and put back.
+
+use crate::solver::dem_solver::{GrainsDem, StepRecord};
+use tremie_state::{KeepsState, StateError, StateExchange};
+
+impl KeepsState for GrainsDem {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        if !self.search.surfaces.held.is_empty() {
+            return state.unfit("contacts with surfaces that deform are not kept yet");
+        }
+        self.exchange_bodies(state)?;
+        for (k, part) in self.around.parts.iter_mut().enumerate() {
+            state.within(&format!("part{k}"), |state| part.exchange(state))?;
+        }
+        let Self { search, threads, population, record, fluid, stepping, .. } = self;
+        let seen = (&mut threads.team, &population.bodies);
+        state.within("contacts", |state| search.exchange(state, seen))?;
+        state.within("record", |state| record.exchange(state))?;
+        state.value("loaded", &mut fluid.loaded)?;
+        state.value("fluid_impulse", &mut fluid.fluid_impulse)?;
+        state.value("window", &mut stepping.window)?;
+        state.value("steps", &mut stepping.steps)?;
+        let bodies = self.population.bodies.len();
+        state.within("bands", |state| self.bands.exchange(state))?;
+        state.within("probes", |state| self.probes.keep(state, bodies))?;
+        state.within("profiles", |state| self.profiles.exchange(state))?;
+        state.within("ports", |state| self.ports.exchange(state))
+    }
+}
+
+impl GrainsDem {
+    fn exchange_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let population = &mut self.population;
+        state.value("bodies", &mut population.bodies)?;
+        state.within("polyhedra", |state| population.polyhedra.exchange(state))?;
+        population.clumps.exchange(state)?;
+        population.driven.exchange(state)?;
+        state.value("order", &mut population.roll)?;
+        state.value("next_id", &mut population.next_id)?;
+        state.value("largest", &mut population.largest)?;
+        state.value("came_and_went", &mut population.events)?;
+        if state.restores() {
+            // No step allocates.
+            population.bodies.reserve(self.ports.capacity);
+        }
+        Ok(())
+    }
+}
+
+impl StepRecord {
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("tallies", &mut self.tallies)?;
+        state.value("reaches", &mut self.reaches)?;
+        state.value("wandered", &mut self.wandered)?;
+        state.value("crossed", &mut self.crossed)?;
+        state.value("tally", &mut self.tally)?;
+        state.value("max_overlap_ratio", &mut self.max_overlap_ratio)?;
+        state.value("deep_overlaps", &mut self.deep_overlaps)
+    }
+}
