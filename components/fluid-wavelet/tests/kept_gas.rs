@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use tremie_fluid_wavelet::{GasFluid, Parameters};
 use tremie_messages::scene::{Domain, Face, FluidMaterial, GasMaterial, Scene, Shock};
 use tremie_messages::{BodyEvent, BodyState, Load};
-use tremie_state::{KeepsState, SavedState, StateArchive, StateHeader};
+use tremie_state::SavedState;
+use tremie_test_support::through_a_file;
 
 const CELL: f64 = 0.01;
 const STEP: f64 = 2e-5;
@@ -81,24 +82,15 @@ fn advance(
 
 #[test]
 fn a_shock_goes_on_past_a_body_that_moves() {
-    let home = tempfile::tempdir().unwrap();
-    let header = StateHeader {
-        component: "fluid".into(),
-        program: "fluid-wavelet".into(),
-        version: GasFluid::STATE_VERSION,
-        window: 0,
-    };
     for (dimensions, last) in [(2, 12), (3, 4)] {
         let mut whole = begin(dimensions, 1);
         let expected_loads = advance(&mut whole, dimensions, 0..=last);
         let expected = SavedState::of(&mut whole).unwrap();
         for stop in [0, 1, last / 2] {
-            let path = home.path().join(format!("{dimensions}-{stop}.npz"));
             let mut first = begin(dimensions, 1);
             advance(&mut first, dimensions, 0..=stop);
-            SavedState::of(&mut first).unwrap().write(&path, &header).unwrap();
             let mut second = begin(dimensions, 2);
-            StateArchive::open(&path).unwrap().restore("fluid-wavelet", &mut second).unwrap();
+            through_a_file(&mut first, &mut second);
             assert_eq!(second.state().sums, first.state().sums);
             let loads = advance(&mut second, dimensions, stop + 1..=last);
             assert_eq!(loads, expected_loads, "in {dimensions} dimensions from window {stop}");

@@ -7,8 +7,7 @@ use std::path::Path;
 use tremie_messages::frame::ProfileBin;
 use tremie_messages::scene::GrainProfile;
 use tremie_state::numpy;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use zip::ZipWriter;
 
 /// Writes the tables of a profile; under its name the file is whole.
 ///
@@ -59,13 +58,8 @@ fn array(
     shape: &[usize],
     values: impl Iterator<Item = f64>,
 ) -> io::Result<()> {
-    // The time of a file is the archive's first day, not that of the run.
-    let bytes = 8 * shape.iter().product::<usize>() as u64;
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Stored)
-        .last_modified_time(zip::DateTime::default())
-        .large_file(bytes >= u64::from(u32::MAX) / 2);
-    archive.start_file(format!("{name}.npy"), options)?;
+    let bytes = 8 * shape.iter().product::<usize>();
+    archive.start_file(format!("{name}.npy"), numpy::stored(bytes))?;
     archive.write_all(&numpy::header("<f8", shape))?;
     let mut piece = Vec::with_capacity(1 << 16);
     for value in values {

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// Whose state a file holds.
@@ -49,18 +48,18 @@ impl SavedState {
     fn fill(&self, file: File, header: &StateHeader) -> io::Result<()> {
         let mut archive = ZipWriter::new(BufWriter::with_capacity(PIECE, file));
         let about = serde_json::to_vec_pretty(header)?;
-        archive.start_file(ABOUT, options(about.len()))?;
+        archive.start_file(ABOUT, numpy::stored(about.len()))?;
         archive.write_all(&about)?;
         for SavedEntry { name, content, bytes } in &self.entries {
             match content {
                 Content::Array { number, shape } => {
                     let header = numpy::header(number, shape);
                     let length = header.len() + bytes.len();
-                    archive.start_file(format!("{name}{ARRAY}"), options(length))?;
+                    archive.start_file(format!("{name}{ARRAY}"), numpy::stored(length))?;
                     archive.write_all(&header)?;
                 }
                 Content::Value => {
-                    archive.start_file(format!("{name}{VALUE}"), options(bytes.len()))?
+                    archive.start_file(format!("{name}{VALUE}"), numpy::stored(bytes.len()))?
                 }
             }
             archive.write_all(bytes)?;
@@ -72,14 +71,6 @@ impl SavedState {
 
 /// Bytes that are written at once.
 const PIECE: usize = 1 << 20;
-
-/// Of an entry of a length: not compressed, and the same bytes whenever it is written.
-fn options(length: usize) -> SimpleFileOptions {
-    SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Stored)
-        .last_modified_time(zip::DateTime::default())
-        .large_file(length as u64 >= u64::from(u32::MAX) / 2)
-}
 
 /// A file of a state, opened to be put back.
 pub struct StateArchive {

@@ -92,21 +92,7 @@ impl<'a> StateExchange<'a> {
         name: &str,
         values: &mut [T],
     ) -> Result<(), StateError> {
-        let name = self.name(name)?;
-        match &mut self.way {
-            Way::Save(entries) => {
-                entries.push(SavedEntry::array(name, values));
-                Ok(())
-            }
-            Way::Restore(source) => {
-                let mut entry = find(*source, &name)?;
-                let rows = rows::<T>(&name, &entry)?;
-                if rows != values.len() {
-                    return Err(other_shape::<T>(name, &entry.content, values.len()));
-                }
-                fill(&name, &mut entry, bytemuck::cast_slice_mut(values))
-            }
-        }
+        self.numbers(name, values, |values, rows| values.len() == rows)
     }
 
     /// An array that may have another length each time.
@@ -118,18 +104,34 @@ impl<'a> StateExchange<'a> {
         name: &str,
         values: &mut Vec<T>,
     ) -> Result<(), StateError> {
+        self.numbers(name, values, |values, rows| {
+            values.clear();
+            values.resize(rows, T::zeroed());
+            true
+        })
+    }
+
+    /// Numbers that are given so many rows when they are put back, or have as many; `fit` says false
+    /// where they have others.
+    fn numbers<T: StateNumber, V: AsMut<[T]> + ?Sized>(
+        &mut self,
+        name: &str,
+        values: &mut V,
+        fit: impl FnOnce(&mut V, usize) -> bool,
+    ) -> Result<(), StateError> {
         let name = self.name(name)?;
         match &mut self.way {
             Way::Save(entries) => {
-                entries.push(SavedEntry::array(name, values));
+                entries.push(SavedEntry::array(name, values.as_mut()));
                 Ok(())
             }
             Way::Restore(source) => {
                 let mut entry = find(*source, &name)?;
                 let rows = rows::<T>(&name, &entry)?;
-                values.clear();
-                values.resize(rows, T::zeroed());
-                fill(&name, &mut entry, bytemuck::cast_slice_mut(values))
+                if !fit(values, rows) {
+                    return Err(other_shape::<T>(name, &entry.content, values.as_mut().len()));
+                }
+                fill(&name, &mut entry, bytemuck::cast_slice_mut(values.as_mut()))
             }
         }
     }

@@ -1,5 +1,17 @@
 //! NumPy's format of arrays (NEP 1, version 1.0): a line of text before the numbers.
 
+use zip::CompressionMethod;
+use zip::write::SimpleFileOptions;
+
+/// Options of an archive's entry of a length [bytes]: not compressed, and with the archive's first day
+/// for its time, so that the same content is the same bytes whenever it is written.
+pub fn stored(length: usize) -> SimpleFileOptions {
+    SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(zip::DateTime::default())
+        .large_file(length as u64 >= u64::from(u32::MAX) / 2)
+}
+
 /// NumPy's header of an array in C's order: magic, version, length, and a literal of Python that ends on a
 /// multiple of 64 bytes. `name` is the type's, as `<f8`.
 pub fn header(name: &str, shape: &[usize]) -> Vec<u8> {

@@ -65,11 +65,6 @@ impl SavedState {
         let pair = all.zip(others).take(most).find(|(own, other)| own != other)?;
         pair.0.or(pair.1).map(|entry| entry.name.as_str())
     }
-
-    /// Memory that it takes [bytes].
-    pub fn bytes(&self) -> usize {
-        self.entries.iter().map(|entry| entry.bytes.len()).sum()
-    }
 }
 
 impl EntrySource for &SavedState {

@@ -7,13 +7,18 @@
 //!
 //! [`processor_seconds`] times one thread, whatever other programs do beside it.
 //!
-//! `observers`, behind a feature of that name, sets an observer up without a run.
+//! `observers`, behind a feature of that name, sets an observer up without a run. `through_a_file`,
+//! behind the feature `state`, takes a component's state to another one.
 
 mod clock;
 #[cfg(feature = "observers")]
 pub mod observers;
+#[cfg(feature = "state")]
+mod through_a_file;
 
 pub use clock::processor_seconds;
+#[cfg(feature = "state")]
+pub use through_a_file::through_a_file;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

@@ -374,9 +374,10 @@ impl KeepsState for GasFluid {
         state.value("points", &mut self.points)?;
         state.value("first_sums", &mut self.first)?;
         if state.restores() {
-            // Bodies that have just come have no state yet, and are not in the gas.
-            let states: Vec<BodyState> =
-                self.registry.bodies.iter().filter_map(|b| b.state).collect();
+            let states = self.registry.bodies.iter().map(|body| body.state);
+            let Some(states) = states.collect::<Option<Vec<_>>>() else {
+                return state.unfit("the state has a body that is nowhere yet");
+            };
             if let Err(error) = self.place(&states, 1.0) {
                 return state.unfit(error.to_string());
             }

@@ -313,17 +313,20 @@ impl WaveletSolver {
 
     /// Finds which points are inside bodies, and gives them their values.
     fn place_bodies(&mut self, bodies: &[impl GasBody]) {
+        self.find_inside(bodies);
+        self.extend(bodies);
+    }
+
+    /// Finds which points are inside bodies.
+    fn find_inside(&mut self, bodies: &[impl GasBody]) {
         let places = self.places();
         self.mask.find(&self.tree, &places, bodies);
         self.inside.find(&self.tree, &places, &self.mask, bodies);
-        self.extend(bodies);
     }
 
     /// Goes on from values that were put back, with the bodies where they were then.
     pub fn resume(&mut self, bodies: &[impl GasBody]) {
-        let places = self.places();
-        self.mask.find(&self.tree, &places, bodies);
-        self.inside.find(&self.tree, &places, &self.mask, bodies);
+        self.find_inside(bodies);
         self.fill();
         self.find_scales();
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use tempfile::NamedTempFile;
-use tremie_messages::scene::{Geometry, Motion, Part, PartBoundary, Plane, Pose};
+use tremie_messages::scene::{Geometry, Motion, MotionPoint, Part, PartBoundary, Plane, Pose};
 
 /// Height of the walls of [`cuts`] [m].
 pub const TOP: f64 = 10e-3;
@@ -24,6 +24,17 @@ pub fn part(geometry: Geometry, position: [f64; 3]) -> Part {
 pub fn block(min: [f64; 3], max: [f64; 3]) -> Part {
     let size = [0, 1, 2].map(|a| 1e-3 * (max[a] - min[a]));
     part(Geometry::Box { size }, [0, 1, 2].map(|a| 0.5e-3 * (max[a] + min[a])))
+}
+
+/// A box of 4 x 1 x 3 mm about a place, which goes along x and turns.
+pub fn paddle(position: [f64; 3]) -> Part {
+    let velocities =
+        MotionPoint { time: 0.0, velocity: [0.3, 0.0, 0.0], angular_velocity: [0.0, 0.0, 50.0] };
+    Part {
+        name: "paddle".into(),
+        motion: Motion::Prescribed(vec![velocities]),
+        ..part(Geometry::Box { size: [4e-3, 1e-3, 3e-3] }, position)
+    }
 }
 
 pub fn floor(height: f64) -> Plane {

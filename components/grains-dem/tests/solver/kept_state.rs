@@ -1,15 +1,16 @@
 //! Grains that go on from the file of a state end with the bits of those that were never
 //! interrupted.
 
-use crate::common::{solids::*, *};
+use crate::common::{solids::*, walls::*, *};
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::body::Load;
 use tremie_messages::scene::{
     BinnedAxis, BodySet, Course, Damping, Diameters, Face, Geometry, GrainProfile, Inlet,
-    InletVelocity, Motion, MotionPoint, Outflow, Outlet, Part, PartBoundary, Pose, Probe,
-    ProbeShape, ProfileVelocity, Scene, Slider, SliderSpring,
+    InletVelocity, Motion, Outflow, Outlet, Part, Probe, ProbeShape, ProfileVelocity, Scene,
+    Slider, SliderSpring,
 };
-use tremie_state::{KeepsState, SavedState, StateArchive, StateHeader};
+use tremie_state::SavedState;
+use tremie_test_support::through_a_file;
 
 /// A scene in windows of some steps.
 struct Case {
@@ -44,23 +45,14 @@ impl Case {
     }
 
     fn is_the_same_after(&self, stops: &[usize]) -> GrainsDem {
-        let home = tempfile::tempdir().unwrap();
-        let header = StateHeader {
-            component: "grains".into(),
-            program: "grains-dem".into(),
-            version: GrainsDem::STATE_VERSION,
-            window: 0,
-        };
         let mut whole = self.begin(1);
         self.go_on(&mut whole, self.windows);
         let expected = SavedState::of(&mut whole).unwrap();
         for &stop in stops {
-            let path = home.path().join(format!("{stop}.npz"));
             let mut first = self.begin(1);
             self.go_on(&mut first, stop);
-            SavedState::of(&mut first).unwrap().write(&path, &header).unwrap();
             let mut second = self.begin(2);
-            StateArchive::open(&path).unwrap().restore("grains-dem", &mut second).unwrap();
+            through_a_file(&mut first, &mut second);
             assert!(second.events() == first.events());
             assert_eq!(second.diagnostics(), first.diagnostics());
             assert_eq!(second.face_forces(), first.face_forces());
@@ -94,19 +86,7 @@ fn spheres_on_a_floor_go_on() {
     let mut scene = scene([8e-3, 8e-3, 20e-3], FLOOR, law);
     scene.gravity = [10.0, 3.0, -100.0];
     scene.bodies = vec![packed([0.0; 3], [8e-3, 8e-3, 10e-3], 0.4, (0.7e-3, 0.9e-3), 2)];
-    scene.parts = vec![Part {
-        name: "paddle".into(),
-        geometry: Geometry::Box { size: [4e-3, 1e-3, 3e-3] },
-        pose: Pose { position: [4e-3, 4e-3, 2e-3], ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion: Motion::Prescribed(vec![MotionPoint {
-            time: 0.0,
-            velocity: [0.3, 0.0, 0.0],
-            angular_velocity: [0.0, 0.0, 50.0],
-        }]),
-        boundary: PartBoundary::Wall,
-    }];
+    scene.parts = vec![paddle([4e-3, 4e-3, 2e-3])];
     let section = ProbeShape::Section { axis: 2, position: 4e-3, min: [0.0; 3], max: [8e-3; 3] };
     scene.probes = vec![Probe { name: "section".into(), shape: section }];
     scene.profiles = vec![GrainProfile {
@@ -146,12 +126,8 @@ fn polyhedra_and_clumps_on_a_plate_go_on() {
     };
     scene.parts = vec![Part {
         name: "plate".into(),
-        geometry: Geometry::Box { size: [16e-3, 16e-3, 2e-3] },
-        pose: Pose { position: [10e-3, 10e-3, 5e-3], ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
         motion: Motion::Slider(Box::new(slider)),
-        boundary: PartBoundary::Wall,
+        ..part(Geometry::Box { size: [16e-3, 16e-3, 2e-3] }, [10e-3, 10e-3, 5e-3])
     }];
     let places = |k: u32| [0, 1].map(|a| 5e-3 + 5e-3 * f64::from(k / 3u32.pow(a) % 3));
     let at = |k: u32, z: f64| [places(k)[0], places(k)[1], z];

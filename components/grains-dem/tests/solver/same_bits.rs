@@ -1,13 +1,10 @@
 //! Equal runs give equal bits, however substeps are grouped and neighbours listed.
 
-use crate::common::*;
+use crate::common::{walls::paddle, *};
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::{
     body::BodyState,
-    scene::{
-        ContactLaw, Damping, Geometry, Motion, MotionPoint, PairLaw, Part, PartBoundary, Pose,
-        Scene, Spring,
-    },
+    scene::{ContactLaw, Damping, Motion, PairLaw, Scene, Spring},
 };
 
 fn falling() -> Scene {
@@ -48,19 +45,7 @@ fn crowd() -> Scene {
     let mut scene = scene([14e-3, 14e-3, 30e-3], FLOOR, law(1e3, 0.5, Damping::Restitution(0.6)));
     scene.gravity = [10.0, 3.0, -100.0];
     scene.bodies = vec![packed([0.0; 3], [14e-3, 14e-3, 6e-3], 0.4, (0.7e-3, 0.9e-3), 2)];
-    scene.parts = vec![Part {
-        name: "paddle".into(),
-        geometry: Geometry::Box { size: [4e-3, 1e-3, 3e-3] },
-        pose: Pose { position: [7e-3, 7e-3, 3e-3], ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion: Motion::Prescribed(vec![MotionPoint {
-            time: 0.0,
-            velocity: [0.3, 0.0, 0.0],
-            angular_velocity: [0.0, 0.0, 50.0],
-        }]),
-        boundary: PartBoundary::Wall,
-    }];
+    scene.parts = vec![paddle([7e-3, 7e-3, 3e-3])];
     scene
 }
 

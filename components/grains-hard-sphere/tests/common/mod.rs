@@ -5,7 +5,8 @@
 use std::f64::consts::{PI, TAU};
 use tremie_grains_hard_sphere::{Detection, HardSpheres, Parameters};
 use tremie_messages::scene::{
-    BodySet, ContactLaw, Damping, Domain, Face, Motion, PairLaw, Placement, Scene, Sphere, Spring,
+    BodySet, ContactLaw, Damping, Domain, Face, Geometry, Motion, PairLaw, Part, PartBoundary,
+    Placement, Pose, Scene, Sphere, Spring,
 };
 use tremie_messages::units::{Time, Velocity};
 
@@ -49,6 +50,24 @@ pub fn sphere(position: [f64; 3], diameter: f64, velocity: [f64; 3]) -> Sphere {
 /// Density at which a sphere of diameter 1, or a disc in a plane of depth 1, has the mass 1.
 pub fn density(dimensions: usize) -> f64 {
     if dimensions == 3 { 6.0 / PI } else { 4.0 / PI }
+}
+
+/// A block of triangles.
+pub fn block(size: [f64; 3], position: [f64; 3], motion: Motion) -> Part {
+    Part {
+        name: "block".into(),
+        geometry: Geometry::Box { size },
+        pose: Pose { position, ..Pose::IDENTITY },
+        cavity: false,
+        material: "wall".into(),
+        motion,
+        boundary: PartBoundary::Wall,
+    }
+}
+
+/// Parameters that say how collisions are found.
+pub fn by(detection: Detection) -> Parameters {
+    Parameters { detection, ..Parameters::default() }
 }
 
 /// A number from 0 to 1 that follows from a key.

@@ -1,12 +1,11 @@
 //! A run that goes on from the file of a state ends with the bits of one that was never interrupted.
 
-use crate::common::{gas, scene, set, sphere, unit};
+use crate::common::{block, by, gas, scene, set, sphere, unit};
 use tremie_grains_hard_sphere::{Detection, HardSpheres, Parameters};
 use tremie_messages::Load;
-use tremie_messages::scene::{
-    Face, Geometry, Motion, MotionPoint, Part, PartBoundary, Pose, Scene,
-};
-use tremie_state::{SavedState, StateArchive, StateHeader};
+use tremie_messages::scene::{Face, Motion, MotionPoint, Scene};
+use tremie_state::SavedState;
+use tremie_test_support::through_a_file;
 
 /// A run in windows of some steps, with the loads that a body at such a place would feel.
 struct Case {
@@ -40,24 +39,15 @@ impl Case {
 
     /// Goes on from a file after each of `stops` windows, on another number of threads.
     fn is_the_same_after(&self, stops: &[usize]) {
-        let home = tempfile::tempdir().unwrap();
-        let header = StateHeader {
-            component: "grains".into(),
-            program: "grains-hard-sphere".into(),
-            version: 1,
-            window: 0,
-        };
         let most = stops.iter().max().unwrap() + 20;
         let mut whole = self.begin(1);
         self.go_on(&mut whole, most);
         let expected = SavedState::of(&mut whole).unwrap();
         for &stop in stops {
-            let path = home.path().join(format!("{stop}.npz"));
             let mut first = self.begin(1);
             self.go_on(&mut first, stop);
-            SavedState::of(&mut first).unwrap().write(&path, &header).unwrap();
             let mut second = self.begin(2);
-            StateArchive::open(&path).unwrap().restore("grains-hard-sphere", &mut second).unwrap();
+            through_a_file(&mut first, &mut second);
             assert_eq!(second.events(), first.events());
             assert_eq!(second.diagnostics(), first.diagnostics());
             self.go_on(&mut second, most - stop);
@@ -67,10 +57,6 @@ impl Case {
             assert_eq!(second.part_loads(), whole.part_loads());
         }
     }
-}
-
-fn by(detection: Detection) -> Parameters {
-    Parameters { detection, ..Parameters::default() }
 }
 
 #[test]
@@ -132,16 +118,4 @@ fn grains_in_a_fluid_go_on_beside_what_is_led() {
     let case =
         Case { scene, parameters: by(Detection::Steps), step: 1e-3, substeps: 4, has_fluid: true };
     case.is_the_same_after(&[0, 25, 70]);
-}
-
-fn block(size: [f64; 3], position: [f64; 3], motion: Motion) -> Part {
-    Part {
-        name: "block".into(),
-        geometry: Geometry::Box { size },
-        pose: Pose { position, ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion,
-        boundary: PartBoundary::Wall,
-    }
 }

@@ -1,26 +1,8 @@
 //! Fixed bodies, triangulated parts, and things that move as prescribed.
 
-use crate::common::{PERIODIC, make, scene, set, sphere, unit};
+use crate::common::{PERIODIC, block, by, make, scene, set, sphere, unit};
 use tremie_grains_hard_sphere::{Detection, HardSpheres, Parameters};
-use tremie_messages::scene::{
-    Face, Geometry, Motion, MotionPoint, PairLaw, Part, PartBoundary, Pose, Scene,
-};
-
-fn block(size: [f64; 3], position: [f64; 3], motion: Motion) -> Part {
-    Part {
-        name: "block".into(),
-        geometry: Geometry::Box { size },
-        pose: Pose { position, ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion,
-        boundary: PartBoundary::Wall,
-    }
-}
-
-fn by(detection: Detection) -> Parameters {
-    Parameters { detection, ..Parameters::default() }
-}
+use tremie_messages::scene::{Face, Motion, MotionPoint, PairLaw, Scene};
 
 /// A ball on a block of triangles does what one on the floor does, to rounding.
 #[test]
