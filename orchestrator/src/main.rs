@@ -24,6 +24,7 @@ fn main() -> ExitCode {
 fn obey(command: Command) -> ExitCode {
     match command {
         Command::Run(arguments) => commands::run(&arguments),
+        Command::Resume(arguments) => commands::resume(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
         Command::Signals(arguments) => commands::signals(&arguments),
         Command::Components => commands::components(),

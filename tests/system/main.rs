@@ -22,6 +22,7 @@ mod polyhedra;
 mod profiles;
 mod report;
 mod resident;
+mod resume;
 mod rubber;
 mod running;
 mod same_bits;

@@ -7,7 +7,7 @@ use crate::tremie::{Ran, run_text, tremie};
 use reader::read_npz;
 
 /// Grains that fall through each other, dry, and settle on a floor.
-const SHOWER: &str = r#"
+pub const SHOWER: &str = r#"
 [run]
 until = "60 ms"
 

@@ -117,6 +117,7 @@ impl RunNote {
             frames: self.streams.iter().map(frame).collect(),
             transport: no_transport(),
             injections: Vec::new(),
+            resume: None,
         }
     }
 }

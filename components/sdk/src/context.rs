@@ -65,10 +65,18 @@ pub struct Context<S: ChannelMedium> {
     bell: Bell<S>,
     credit: Receiver<S, Stamp, Credit>,
     report: Sender<S, Report, f64>,
+    heard: Heard,
+    line: ControlPipe,
+}
+
+/// What the orchestrator has said so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Heard {
     /// Last window that may be advanced through; nothing before the start exchange is allowed.
     granted: Option<u64>,
     finish: bool,
-    line: ControlPipe,
+    checkpoint: u64,
+    kept: u64,
 }
 
 impl<S: ChannelMedium> Context<S> {
@@ -91,8 +99,7 @@ impl<S: ChannelMedium> Context<S> {
                 bell,
                 credit,
                 report,
-                granted: None,
-                finish: false,
+                heard: Heard::default(),
                 line,
                 assignment,
             }),
@@ -215,7 +222,7 @@ impl<S: ChannelMedium> Context<S> {
             return Ok(found);
         }
         let deadline = begin + units::wait(self.assignment.transport.deadline);
-        let Self { bell, credit, granted, finish, line, window, .. } = self;
+        let Self { bell, credit, heard, line, window, .. } = self;
         let mut told: Option<Instant> = None;
         let since = clock();
         let watch = || {
@@ -223,7 +230,7 @@ impl<S: ChannelMedium> Context<S> {
             if let Some(found) = check()? {
                 return Ok(Some(found));
             }
-            heed_credit(credit, granted, finish)?;
+            heed_credit(credit, heard)?;
             if told.unwrap_or(begin).elapsed() > LONG_WAIT {
                 told = Some(Instant::now());
                 let _ = line.reply(&owed.waiting(since, looked, *window));
@@ -255,33 +262,46 @@ impl<S: ChannelMedium> Context<S> {
         // The orchestrator may pause a run as long as its user likes: no deadline here. If it dies,
         // the kernel ends this process with it.
         let never = begin + Duration::from_secs(10 * 365 * 24 * 3600);
-        let Self { bell, credit, granted, finish, .. } = self;
-        let may = |granted: Option<u64>| granted.is_some_and(|last| last >= window);
+        let Self { bell, credit, heard, .. } = self;
+        let may = |heard: &Heard| heard.granted.is_some_and(|last| last >= window);
         bell.wait(never, || {
-            heed_credit(credit, granted, finish)?;
-            Ok::<_, Stop>((may(*granted) || *finish).then_some(()))
+            heed_credit(credit, heard)?;
+            Ok::<_, Stop>((may(heard) || heard.finish).then_some(()))
         })?;
         self.spent.wait += begin.elapsed().as_nanos() as u64;
-        Ok(may(self.granted))
+        Ok(may(&self.heard))
+    }
+
+    /// True if the state at the end of the present window is kept for a checkpoint.
+    pub fn keeps_state(&self) -> bool {
+        self.window > 0 && self.heard.checkpoint == self.window
+    }
+
+    /// For observers: the window of the newest checkpoint, and whether all physics has kept its state
+    /// for it, so that no frame of that window or an earlier one is still to be sent.
+    pub fn checkpoint(&mut self) -> Result<(u64, bool), Stop> {
+        heed_credit(&self.credit, &mut self.heard)?;
+        Ok((self.heard.checkpoint, self.heard.kept == self.heard.checkpoint))
     }
 
     /// True if a row of the signals of the present window is kept: by the plan, or because it is
     /// known to be the last.
     pub fn keeps_row(&self) -> bool {
         let Assignment { windows, rows_every, .. } = self.assignment;
-        let is_last = self.window == windows || self.finish && self.granted == Some(self.window);
+        let is_last =
+            self.window == windows || self.heard.finish && self.heard.granted == Some(self.window);
         is_last || self.window.is_multiple_of(rows_every.max(1))
     }
 
     /// True if the orchestrator said that the run is over.
     pub fn finish_requested(&mut self) -> Result<bool, Stop> {
-        heed_credit(&self.credit, &mut self.granted, &mut self.finish)?;
-        Ok(self.finish)
+        heed_credit(&self.credit, &mut self.heard)?;
+        Ok(self.heard.finish)
     }
 
     /// Last window that may be advanced through; the run's last one once finishing was requested.
     pub fn granted(&self) -> Option<u64> {
-        self.granted
+        self.heard.granted
     }
 
     /// Sleeps until somebody rings, at most `nap`.
@@ -330,17 +350,18 @@ pub fn report_spec(transport: &Transport, signals: usize) -> ChannelSpec<'_> {
 
 fn heed_credit<S: ChannelMedium>(
     credit: &Receiver<S, Stamp, Credit>,
-    granted: &mut Option<u64>,
-    finish: &mut bool,
+    heard: &mut Heard,
 ) -> Result<(), Stop> {
     while let Some(message) = credit.take()? {
         for word in message.values() {
             match word.command {
                 Credit::ABORT => return Err(Stop::Aborted),
-                Credit::FINISH => *finish = true,
+                Credit::FINISH => heard.finish = true,
                 _ => {}
             }
-            *granted = (*granted).max(Some(word.window));
+            heard.granted = heard.granted.max(Some(word.window));
+            heard.checkpoint = heard.checkpoint.max(word.checkpoint);
+            heard.kept = heard.kept.max(word.kept);
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use crate::context::Context;
 use crate::frames::FrameSource;
 use crate::impulse::Impulse;
 use crate::line::ControlPipe;
-use crate::ports::{InPort, OutPort};
+use crate::ports::{InPort, OutPort, Taken};
 use crate::program::Participant;
 use crate::role_adapter::RoleAdapter;
 use crate::roles::{Fluid, check_polyhedra, check_surfaces};
@@ -13,13 +13,14 @@ use crate::setup::Setup;
 use crate::stop::Stop;
 use crate::substep_coupling::Sizes;
 use std::marker::PhantomData;
-use tremie_channels::{ChannelMedium, Loan, Received};
+use tremie_channels::{ChannelMedium, Loan};
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
-use tremie_messages::schedule::Content;
+use tremie_messages::schedule::{Content, Op};
 use tremie_messages::start::{Description, FaultKind, VolumeGrid};
 use tremie_messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, Role, Stamp, SurfaceVertex,
 };
+use tremie_state::{StateError, StateExchange};
 
 /// A fluid as a component of a run.
 pub struct AsFluid<T>(PhantomData<T>);
@@ -46,20 +47,22 @@ struct FluidPlayer<S: ChannelMedium, F: Fluid> {
     ids: Vec<u64>,
     events: Option<InPort<S, BodyEvent>>,
     state: Option<InPort<S, BodyState>>,
-    bodies: Option<Received<S, Stamp, BodyState>>,
+    bodies: Taken<S, BodyState>,
     load: Option<OutPort<S, Load>>,
     /// The loads of the present window, in the memory that the receiver will read.
     loads: Option<Loan<S, Stamp, Load>>,
     impulse: Impulse,
     sizes: Sizes,
     surface: Option<InPort<S, SurfaceVertex>>,
-    vertices: Option<Received<S, Stamp, SurfaceVertex>>,
+    vertices: Taken<S, SurfaceVertex>,
     surface_load: Option<OutPort<S, FacetLoad>>,
     /// Loads on deformable surfaces in the present window.
     facets: Vec<FacetLoad>,
     port: Option<OutPort<S, PortState>>,
     /// Faces whose velocities the grains are told.
     ports: Vec<PortState>,
+    /// A window's advance takes what was received in the window before.
+    advances_first: bool,
     /// The signals that are sampled, as they were when they were measured last.
     sampled: Vec<f64>,
 }
@@ -82,17 +85,23 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
             ids: Vec::new(),
             events: None,
             state: None,
-            bodies: None,
+            bodies: Taken::Nothing,
             load: None,
             loads: None,
             impulse: Impulse::default(),
             sizes,
             surface: None,
-            vertices: None,
+            vertices: Taken::Nothing,
             surface_load: None,
             facets: sizes.room_for_loads(),
             port: None,
             ports: PortState::all(&setup.hello.scene),
+            advances_first: setup
+                .assigned()?
+                .script
+                .window
+                .first()
+                .is_some_and(|op| *op == Op::Advance),
             sampled: Vec::new(),
         })
     }
@@ -126,9 +135,9 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
             }
             (Content::State, _, Some(port)) => {
                 // Given back before the next is taken: the channel lends only a few at a time.
-                self.bodies = None;
+                self.bodies = Taken::Nothing;
                 let ids = self.ids.iter().copied();
-                self.bodies = Some(port.take_checked(context, lag, ids)?);
+                self.bodies = Taken::Message(port.take_checked(context, lag, ids)?);
                 Ok(())
             }
             (Content::Surface, ..) => self.take_surface(context, lag),
@@ -137,13 +146,13 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
     }
 
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop> {
-        let bodies = self.bodies.as_ref().map_or(&[][..], |message| message.values());
+        let bodies = self.bodies.values().unwrap_or_default();
         let mut loan = self.load.as_ref().map(|port| port.loan(bodies.len())).transpose()?;
         let loads = loan.as_mut().map_or(&mut [][..], |loan| loan.values());
         for (load, body) in loads.iter_mut().zip(bodies) {
             *load = Load { id: body.id, ..Load::default() };
         }
-        let vertices = self.vertices.as_ref().map(|message| message.values());
+        let vertices = self.vertices.values();
         let window = context.window;
         let (fluid, substeps, facets) = (&mut self.fluid, context.substeps, &mut self.facets);
         facets.clear();
@@ -174,6 +183,28 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
         }
     }
 
+    fn send_again(&mut self, context: &Context<S>, content: Content) -> Result<(), Stop> {
+        match content {
+            Content::Ports => self.port.as_ref().map_or(Ok(()), |port| port.send_again(context)),
+            Content::Load => self.load.as_ref().map_or(Ok(()), |port| port.send_again(context)),
+            _ => self.surface_load.as_ref().map_or(Ok(()), |port| port.send_again(context)),
+        }
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.within("fluid", |state| self.fluid.exchange_state(state))?;
+        state.list("ids", &mut self.ids)?;
+        state.list("sampled", &mut self.sampled)?;
+        if self.advances_first {
+            self.bodies.exchange("bodies", state)?;
+            self.vertices.exchange("vertices", state)?;
+        }
+        state.value("impulse", &mut self.impulse)?;
+        self.load.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
+        self.port.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
+        self.surface_load.as_mut().map_or(Ok(()), |port| port.exchange(state))
+    }
+
     fn signals(&mut self, values: &mut Vec<f64>, measure: bool) {
         self.fluid.signals(values);
         if measure {
@@ -196,11 +227,11 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
 impl<S: ChannelMedium, F: Fluid> FluidPlayer<S, F> {
     fn take_surface(&mut self, context: &mut Context<S>, lag: u64) -> Result<(), Stop> {
         let Some(port) = &self.surface else { return Ok(()) };
-        self.vertices = None;
+        self.vertices = Taken::Nothing;
         let message = port.take(context, lag)?;
         port.check_count(context, message.values(), self.sizes.vertices)?;
         port.check_finite(context, message.values())?;
-        self.vertices = Some(message);
+        self.vertices = Taken::Message(message);
         Ok(())
     }
 

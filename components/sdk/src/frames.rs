@@ -137,6 +137,24 @@ impl<S: ChannelMedium> Frames<S> {
         }
     }
 
+    /// Where a run goes on: sends a frame of each stream, so that observers' ends of the channels begin.
+    /// Observers that go on, too, have seen the window. Signals have no values, and profiles no
+    /// samples: to measure them again would change what comes next.
+    pub fn send_again(
+        &mut self,
+        context: &mut Context<S>,
+        shown: &mut impl FrameSource,
+        signals: usize,
+    ) {
+        let values = vec![f64::NAN; signals];
+        for index in 0..self.outlets.len() {
+            match &self.outlets[index].stream {
+                Stream::Profile(..) => self.send_one(index, context, &mut NoProfile, &values),
+                _ => self.send_one(index, context, shown, &values),
+            }
+        }
+    }
+
     /// Sends those frames of the present window that were not due: it turned out to be the last,
     /// and observers shall see how the run ended.
     pub fn send_last(
@@ -180,6 +198,11 @@ impl<S: ChannelMedium> Frames<S> {
         let _ = context.line().reply(&Reply::GaveUp { observer, why: error.to_string() });
     }
 }
+
+/// A component whose profiles have no samples.
+struct NoProfile;
+
+impl FrameSource for NoProfile {}
 
 impl<S: ChannelMedium> Outlet<S> {
     /// True if a frame is due at the end of a window. A table of a profile is when it has ended; one

@@ -19,6 +19,7 @@ use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Role, Stamp};
+use tremie_state::{StateError, StateExchange};
 
 /// Grains as a component of a run.
 pub struct AsGrains<T>(PhantomData<T>);
@@ -163,6 +164,22 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
             }
             _ => Ok(()),
         }
+    }
+
+    fn send_again(&mut self, context: &Context<S>, content: Content) -> Result<(), Stop> {
+        match content {
+            Content::Events => self.events.as_ref().map_or(Ok(()), |port| port.send_again(context)),
+            _ => self.state.as_ref().map_or(Ok(()), |port| port.send_again(context)),
+        }
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.within("grains", |state| self.grains.exchange_state(state))?;
+        state.value("kinds", &mut self.kinds)?;
+        state.list("answered", &mut self.answers.ids)?;
+        state.value("impulse", &mut self.impulse)?;
+        self.events.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
+        self.state.as_mut().map_or(Ok(()), |port| port.exchange(state))
     }
 
     fn signals(&mut self, values: &mut Vec<f64>, _: bool) {

@@ -7,6 +7,7 @@ use crate::{AsFluid, AsGrains};
 use std::collections::BTreeMap;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_state::{StateError, StateExchange};
 
 /// Length of a window [s]; it has no physical meaning here.
 pub const WINDOW: f64 = 1e-6;
@@ -18,7 +19,7 @@ impl Fluid for IdleFluid {
     const PROGRAM: &'static str = "idle-fluid";
 
     fn describe(_: &Setup) -> Result<Description, Vec<Problem>> {
-        Ok(Description::default())
+        Ok(Description { state: Some(1), ..Description::default() })
     }
 
     fn create(_: &Setup) -> Result<Self, Vec<Problem>> {
@@ -36,6 +37,10 @@ impl Fluid for IdleFluid {
     fn advance(&mut self, _: u32, _: &[BodyState], _: &mut [Load]) -> Result<(), SolverError> {
         // The loads are zero already.
         Ok(())
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("nothing", &mut ())
     }
 
     fn signals(&mut self, _: &mut Vec<f64>) {}
@@ -59,7 +64,7 @@ impl Grains for IdleGrains {
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let bodies = count(setup)? as u64;
-        Ok(Description { step: Some(WINDOW), bodies, ..Description::default() })
+        Ok(Description { step: Some(WINDOW), bodies, state: Some(1), ..Description::default() })
     }
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
@@ -94,6 +99,10 @@ impl Grains for IdleGrains {
     fn advance(&mut self, _: u32, _: &[Load]) -> Result<(), SolverError> {
         self.events.clear();
         Ok(())
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("events", &mut self.events)
     }
 
     fn signals(&mut self, _: &mut Vec<f64>) {}

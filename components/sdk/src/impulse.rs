@@ -3,11 +3,12 @@
 //! The impulse that the fluid delivered through window `k` equals that which the grains received
 //! through window `k + 1`, bit for bit: the loads of a window are applied in the next one.
 
+use serde::{Deserialize, Serialize};
 use tremie_messages::Load;
 use tremie_messages::start::{Description, Signal};
 
 /// Impulse that has crossed so far, world frame [N s].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impulse([f64; 3]);
 
 impl Impulse {

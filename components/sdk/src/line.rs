@@ -2,7 +2,7 @@
 //! a line. Over standard input and output for a process, over memory for a thread.
 
 use std::io::{BufRead, Write};
-use std::sync::mpsc;
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use tremie_messages::start::{Reply, Request};
 
 /// The line is closed: the orchestrator is gone.
@@ -13,8 +13,12 @@ pub struct Closed;
 /// A component's end of the line.
 pub struct ControlPipe {
     input: Input,
-    output: Output,
+    replier: Replier,
 }
+
+/// The way for replies; threads of a component may share it.
+#[derive(Clone)]
+pub struct Replier(Arc<Mutex<Output>>);
 
 enum Input {
     Text(Box<dyn BufRead + Send>),
@@ -31,7 +35,7 @@ impl ControlPipe {
     pub fn of_process() -> Self {
         Self {
             input: Input::Text(Box::new(std::io::BufReader::new(std::io::stdin()))),
-            output: Output::Text(Box::new(std::io::stdout())),
+            replier: Replier::over(Output::Text(Box::new(std::io::stdout()))),
         }
     }
 
@@ -39,7 +43,8 @@ impl ControlPipe {
     pub fn in_memory() -> (Self, mpsc::Sender<Request>, mpsc::Receiver<Reply>) {
         let (to_component, input) = mpsc::channel();
         let (output, from_component) = mpsc::channel();
-        let line = Self { input: Input::Memory(input), output: Output::Memory(output) };
+        let replier = Replier::over(Output::Memory(output));
+        let line = Self { input: Input::Memory(input), replier };
         (line, to_component, from_component)
     }
 
@@ -67,7 +72,27 @@ impl ControlPipe {
     /// # Errors
     /// [`Closed`].
     pub fn reply(&mut self, reply: &Reply) -> Result<(), Closed> {
-        match &mut self.output {
+        self.replier.reply(reply)
+    }
+
+    /// The way for replies.
+    pub fn replier(&self) -> Replier {
+        self.replier.clone()
+    }
+}
+
+impl Replier {
+    fn over(output: Output) -> Self {
+        Self(Arc::new(Mutex::new(output)))
+    }
+
+    /// Sends a reply.
+    ///
+    /// # Errors
+    /// [`Closed`].
+    pub fn reply(&self, reply: &Reply) -> Result<(), Closed> {
+        // A thread that panicked wrote a whole line, or the line is closed.
+        match &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner) {
             Output::Memory(sender) => sender.send(reply.clone()).map_err(|_| Closed),
             Output::Text(writer) => {
                 let mut text = serde_json::to_string(reply).map_err(|_| Closed)?;
@@ -85,7 +110,7 @@ mod tests {
     fn over(text: &'static str) -> ControlPipe {
         ControlPipe {
             input: Input::Text(Box::new(text.as_bytes())),
-            output: Output::Text(Box::new(Vec::new())),
+            replier: Replier::over(Output::Text(Box::new(Vec::new()))),
         }
     }
 

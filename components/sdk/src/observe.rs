@@ -2,6 +2,7 @@
 
 use crate::context::Context;
 use crate::frames::frame_spec;
+use crate::keep::StateKeeper;
 use crate::line::ControlPipe;
 use crate::observer::{Moment, Observer, ObserverError};
 use crate::program::Participant;
@@ -11,7 +12,7 @@ use crate::stop::Stop;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
-use tremie_channels::{ChannelError, ChannelMedium, Receiver};
+use tremie_channels::{Attachment, ChannelError, ChannelMedium, Received, Receiver};
 use tremie_messages::frame::{
     BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
     VolumeHeader,
@@ -19,7 +20,8 @@ use tremie_messages::frame::{
 use tremie_messages::start::{
     Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Reply,
 };
-use tremie_messages::{Problem, Role, Stamp};
+use tremie_messages::{Message, Problem, Role, Stamp};
+use tremie_state::StateError;
 
 /// Sleep of an observer when there is nothing to see and nobody rings.
 const NAP: Duration = Duration::from_millis(50);
@@ -27,14 +29,45 @@ const NAP: Duration = Duration::from_millis(50);
 const PULSE: Duration = Duration::from_millis(500);
 
 enum FrameReceiver<S: ChannelMedium> {
-    Bodies(Receiver<S, Stamp, BodySample>),
-    Surfaces(Receiver<S, Stamp, SurfaceSample>),
-    Slice(Receiver<S, SliceHeader, SliceNode>),
-    Volume(Receiver<S, VolumeHeader, SliceNode>),
-    Profile(Receiver<S, ProfileHeader, ProfileBin>),
-    Signals(Receiver<S, Stamp, f64>),
-    Log(Receiver<S, LogHeader, u8>),
+    Bodies(Ahead<S, Stamp, BodySample>),
+    Surfaces(Ahead<S, Stamp, SurfaceSample>),
+    Slice(Ahead<S, SliceHeader, SliceNode>),
+    Volume(Ahead<S, VolumeHeader, SliceNode>),
+    Profile(Ahead<S, ProfileHeader, ProfileBin>),
+    Signals(Ahead<S, Stamp, f64>),
+    Log(Ahead<S, LogHeader, u8>),
 }
+
+/// A receiver whose next frame may be held back.
+struct Ahead<S: ChannelMedium, H: Message + Default, T: Message> {
+    receiver: Receiver<S, H, T>,
+    held: Option<Received<S, H, T>>,
+}
+
+impl<S: ChannelMedium, H: Message + Default, T: Message> Ahead<S, H, T> {
+    fn open(attachment: &Attachment<S>, plan: &FrameStream) -> Result<Self, ChannelError> {
+        Ok(Self { receiver: attachment.receiver(frame_spec(plan))?, held: None })
+    }
+
+    /// The next frame, if one has arrived and `may` allows it; `window` reads its window.
+    fn next(
+        &mut self,
+        window: impl Fn(&H) -> u64,
+        may: &mut May<'_>,
+    ) -> Result<Option<Received<S, H, T>>, Stop> {
+        if self.held.is_none() {
+            self.held = self.receiver.take()?;
+        }
+        match &self.held {
+            // Asked only now: a checkpoint is named before any frame of a later window can be sent.
+            Some(frame) if may(window(frame.header()))? => Ok(self.held.take()),
+            _ => Ok(None),
+        }
+    }
+}
+
+/// Says whether frames of a window may be shown by now.
+type May<'a> = dyn FnMut(u64) -> Result<bool, Stop> + 'a;
 
 struct Inlet<S: ChannelMedium> {
     plan: FrameStream,
@@ -42,6 +75,15 @@ struct Inlet<S: ChannelMedium> {
     /// Window of the frame before, to count those that were lost.
     before: Option<u64>,
     lost: u64,
+}
+
+/// Checkpoints of an observer.
+struct Checkpoints {
+    keeper: StateKeeper,
+    /// Window of the last one that it has kept its state for.
+    kept: u64,
+    /// Last window whose frames it has seen, where the run goes on.
+    seen: Option<u64>,
 }
 
 /// Stamp of a frame, and what the observer said of it.
@@ -67,16 +109,21 @@ impl<T: Observer> Participant for AsObserver<T> {
 /// A sentence for standard error.
 fn serve_observer<S: ChannelMedium, O: Observer>(
     mut line: ControlPipe,
-    (hello, assignment, _): Assigned,
+    (hello, assignment, description): Assigned,
 ) -> Result<(), String> {
+    let keeper = StateKeeper::new(&hello, &description);
+    let mut checkpoints = Checkpoints { keeper, kept: 0, seen: None };
     let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
     let opened = catch_unwind(AssertUnwindSafe(|| O::open(&setup)))
         .unwrap_or_else(|panic| Err(ObserverError::Other(panic_text(&*panic))));
+    let opened = opened.map_err(|error| error.to_string()).and_then(|mut observer| {
+        let put_back = checkpoints.put_back(&setup, &mut observer);
+        put_back.map(|()| observer).map_err(|error| error.to_string())
+    });
     let mut observer = match opened {
         Ok(observer) => observer,
         Err(error) => {
-            let problem =
-                Problem::new(format!("components.{}", hello.component), error.to_string());
+            let problem = Problem::new(format!("components.{}", hello.component), error);
             return line
                 .reply(&Reply::Refusal { problems: vec![problem] })
                 .map_err(|e| e.to_string());
@@ -91,10 +138,12 @@ fn serve_observer<S: ChannelMedium, O: Observer>(
             return told.map_err(|e| e.to_string());
         }
     };
-    let ended = catch_unwind(AssertUnwindSafe(|| watch(&mut observer, &mut context)))
-        .unwrap_or_else(|panic| {
-            Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
-        });
+    let ended =
+        catch_unwind(AssertUnwindSafe(|| watch(&mut observer, &mut context, &mut checkpoints)))
+            .unwrap_or_else(|panic| {
+                Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
+            });
+    checkpoints.keeper.wait();
     let reply = match ended {
         Ok((window, note)) => Reply::Finished { window, note },
         Err(stop) => match stop.into_fault(&hello.component, context.window) {
@@ -112,6 +161,7 @@ fn serve_observer<S: ChannelMedium, O: Observer>(
 fn watch<S: ChannelMedium, O: Observer>(
     observer: &mut O,
     context: &mut Context<S>,
+    checkpoints: &mut Checkpoints,
 ) -> Result<(u64, String), Stop> {
     let mut inlets = open_inlets(context)?;
     let gone = |_| Stop::Aborted;
@@ -121,10 +171,11 @@ fn watch<S: ChannelMedium, O: Observer>(
     loop {
         // Asked before the last look: what was sent before the request is then surely seen.
         let finishing = context.finish_requested()?;
+        let (asked, all_kept) = context.checkpoint()?;
         let mut seen = false;
         // One frame of each stream after the other, so that no stream runs far ahead.
         for inlet in &mut inlets {
-            seen |= inlet.show_next(observer, context)?;
+            seen |= inlet.show_next(observer, context, checkpoints, finishing)?;
             if finishing && seen && told.elapsed() > PULSE {
                 told = Instant::now();
                 context.line().reply(&Reply::Busy {}).map_err(gone)?;
@@ -134,6 +185,13 @@ fn watch<S: ChannelMedium, O: Observer>(
             watching = true;
             context.line().reply(&Reply::Watching {}).map_err(gone)?;
         }
+        if !seen && all_kept && checkpoints.are_due(asked) {
+            // Nothing is left of the checkpoint's window: what has come since is held back.
+            let replier = context.line().replier();
+            checkpoints.keeper.keep(asked, replier, |state| observer.exchange_state(state));
+            checkpoints.kept = asked;
+            continue;
+        }
         if finishing && !seen {
             context.line().reply(&Reply::Busy {}).map_err(gone)?;
             return close(observer, context, &inlets);
@@ -141,6 +199,24 @@ fn watch<S: ChannelMedium, O: Observer>(
         if !seen {
             context.rest(NAP)?;
         }
+    }
+}
+
+impl Checkpoints {
+    /// Puts the observer's state back, where it goes on with its outputs.
+    fn put_back<O: Observer>(&mut self, setup: &Setup, observer: &mut O) -> Result<(), StateError> {
+        let resume = setup.assignment.as_ref().and_then(|assignment| assignment.resume.as_ref());
+        let Some(resume) = resume.filter(|_| setup.goes_on() && self.keeper.has_state()) else {
+            return Ok(());
+        };
+        self.keeper.put_back(resume, |state| observer.exchange_state(state))?;
+        (self.kept, self.seen) = (resume.window, Some(resume.window));
+        Ok(())
+    }
+
+    /// True if the observer has yet to keep its state for the checkpoint of window `asked`.
+    fn are_due(&self, asked: u64) -> bool {
+        self.keeper.has_state() && asked > self.kept
     }
 }
 
@@ -161,16 +237,15 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
     let mine = |plan: &&FrameStream| plan.to == context.component;
     let mut inlets = Vec::new();
     for plan in context.assignment.frames.iter().filter(mine) {
-        let spec = frame_spec(plan);
         let attachment = &context.attachment;
         let input = match &plan.content {
-            FrameContent::Bodies => FrameReceiver::Bodies(attachment.receiver(spec)?),
-            FrameContent::Surfaces => FrameReceiver::Surfaces(attachment.receiver(spec)?),
-            FrameContent::Slice(_) => FrameReceiver::Slice(attachment.receiver(spec)?),
-            FrameContent::Volume(_) => FrameReceiver::Volume(attachment.receiver(spec)?),
-            FrameContent::Profile(_) => FrameReceiver::Profile(attachment.receiver(spec)?),
-            FrameContent::Signals(_) => FrameReceiver::Signals(attachment.receiver(spec)?),
-            FrameContent::Log => FrameReceiver::Log(attachment.receiver(spec)?),
+            FrameContent::Bodies => FrameReceiver::Bodies(Ahead::open(attachment, plan)?),
+            FrameContent::Surfaces => FrameReceiver::Surfaces(Ahead::open(attachment, plan)?),
+            FrameContent::Slice(_) => FrameReceiver::Slice(Ahead::open(attachment, plan)?),
+            FrameContent::Volume(_) => FrameReceiver::Volume(Ahead::open(attachment, plan)?),
+            FrameContent::Profile(_) => FrameReceiver::Profile(Ahead::open(attachment, plan)?),
+            FrameContent::Signals(_) => FrameReceiver::Signals(Ahead::open(attachment, plan)?),
+            FrameContent::Log => FrameReceiver::Log(Ahead::open(attachment, plan)?),
         };
         inlets.push(Inlet { plan: plan.clone(), input, before: None, lost: 0 });
     }
@@ -183,15 +258,28 @@ impl<S: ChannelMedium> Inlet<S> {
         self.before.is_some() || self.plan.content == FrameContent::Log
     }
 
-    /// Shows the observer the next frame, if one has arrived; returns whether.
+    /// Shows the observer the next frame, if one has arrived that it may see by now; returns whether.
     fn show_next<O: Observer>(
         &mut self,
         observer: &mut O,
         context: &mut Context<S>,
+        checkpoints: &Checkpoints,
+        finishing: bool,
     ) -> Result<bool, Stop> {
-        let Some(stamp) = self.show_one(observer, context)? else {
-            return Ok(false);
+        let clock = context.assignment.clock;
+        let mut may = |window: u64| {
+            let (asked, all_kept) = context.checkpoint()?;
+            // At the end of a run that failed, a checkpoint may never become whole.
+            let holds = checkpoints.are_due(asked) && (all_kept || !finishing);
+            Ok(!holds || window <= asked)
         };
+        let seen = checkpoints.seen.filter(|_| self.plan.content != FrameContent::Log);
+        let shown = match self.take(observer, &clock, seen, &mut may)? {
+            None => return Ok(false),
+            Some(shown) => shown,
+        };
+        let (stamp, said) = shown;
+        said.map_err(|error| wrong(context, error))?;
         context.window = stamp.window;
         if self.plan.content != FrameContent::Log {
             let is_profile = matches!(self.plan.content, FrameContent::Profile(_));
@@ -204,68 +292,66 @@ impl<S: ChannelMedium> Inlet<S> {
         Ok(true)
     }
 
-    fn show_one<O: Observer>(
-        &self,
-        observer: &mut O,
-        context: &Context<S>,
-    ) -> Result<Option<Stamp>, Stop> {
-        match self.take(observer, &context.assignment.clock)? {
-            None => Ok(None),
-            Some((stamp, Ok(()))) => Ok(Some(stamp)),
-            Some((_, Err(error))) => Err(wrong(context, error)),
-        }
-    }
-
-    /// Shows the observer the next frame, if one has arrived: its stamp, and what the observer said.
+    /// Takes the next frame, if one has arrived and `may` allows it: its stamp, and what the observer
+    /// said. Frames of windows up to `seen` are not shown.
     fn take<O: Observer>(
-        &self,
+        &mut self,
         observer: &mut O,
         clock: &Clock,
-    ) -> Result<Option<Shown>, ChannelError> {
+        seen: Option<u64>,
+        may: &mut May<'_>,
+    ) -> Result<Option<Shown>, Stop> {
         let from = &self.plan.from;
-        Ok(match (&self.input, &self.plan.content) {
-            (FrameReceiver::Bodies(receiver), _) => receiver.take()?.map(|message| {
-                let at = moment(clock, *message.header());
-                (at.stamp, observer.bodies(from, at, message.values()))
-            }),
-            (FrameReceiver::Surfaces(receiver), _) => receiver.take()?.map(|message| {
-                let at = moment(clock, *message.header());
-                (at.stamp, observer.surfaces(from, at, message.values()))
-            }),
-            (FrameReceiver::Slice(receiver), FrameContent::Slice(name)) => {
-                receiver.take()?.map(|message| {
-                    let at = moment(clock, message.header().stamp);
-                    (at.stamp, observer.slice(from, name, at, message.header(), message.values()))
+        let show = |stamp: Stamp, show: &mut dyn FnMut(Moment) -> Result<(), ObserverError>| {
+            let is_new = seen.is_none_or(|seen| stamp.window > seen);
+            let said = if is_new { show(moment(clock, stamp)) } else { Ok(()) };
+            Some((stamp, said))
+        };
+        Ok(match (&mut self.input, &self.plan.content) {
+            (FrameReceiver::Bodies(ahead), _) => {
+                ahead.next(|stamp| stamp.window, may)?.and_then(|frame| {
+                    show(*frame.header(), &mut |at| observer.bodies(from, at, frame.values()))
                 })
             }
-            (FrameReceiver::Volume(receiver), FrameContent::Volume(grid)) => {
-                receiver.take()?.map(|message| {
-                    let (header, name) = (message.header(), &grid.name);
-                    let at = moment(clock, header.stamp);
-                    (at.stamp, observer.volume(from, name, at, header, message.values()))
+            (FrameReceiver::Surfaces(ahead), _) => {
+                ahead.next(|stamp| stamp.window, may)?.and_then(|frame| {
+                    show(*frame.header(), &mut |at| observer.surfaces(from, at, frame.values()))
                 })
             }
-            (FrameReceiver::Profile(receiver), FrameContent::Profile(name)) => {
-                receiver.take()?.map(|message| {
-                    let (header, at) = (message.header(), moment(clock, message.header().stamp));
-                    let shown = match header.samples {
+            (FrameReceiver::Slice(ahead), FrameContent::Slice(name)) => {
+                ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
+                    let (header, nodes) = (frame.header(), frame.values());
+                    show(header.stamp, &mut |at| observer.slice(from, name, at, header, nodes))
+                })
+            }
+            (FrameReceiver::Volume(ahead), FrameContent::Volume(grid)) => {
+                ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
+                    let (header, nodes) = (frame.header(), frame.values());
+                    let name = &grid.name;
+                    show(header.stamp, &mut |at| observer.volume(from, name, at, header, nodes))
+                })
+            }
+            (FrameReceiver::Profile(ahead), FrameContent::Profile(name)) => {
+                ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
+                    let (header, bins) = (frame.header(), frame.values());
+                    show(header.stamp, &mut |at| match header.samples {
                         0 => Ok(()),
-                        _ => observer.profile(from, name, at, header, message.values()),
-                    };
-                    (at.stamp, shown)
+                        _ => observer.profile(from, name, at, header, bins),
+                    })
                 })
             }
-            (FrameReceiver::Signals(receiver), FrameContent::Signals(names)) => {
-                receiver.take()?.map(|message| {
-                    let at = moment(clock, *message.header());
-                    (at.stamp, observer.signals(from, at, names, message.values()))
+            (FrameReceiver::Signals(ahead), FrameContent::Signals(names)) => {
+                ahead.next(|stamp| stamp.window, may)?.and_then(|frame| {
+                    let values = frame.values();
+                    show(*frame.header(), &mut |at| observer.signals(from, at, names, values))
                 })
             }
-            (FrameReceiver::Log(receiver), _) => receiver.take()?.map(|message| {
-                let at = moment(clock, message.header().stamp);
-                let text = String::from_utf8_lossy(message.values());
-                (at.stamp, observer.log(at, message.header(), &text))
-            }),
+            (FrameReceiver::Log(ahead), _) => {
+                ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
+                    let text = String::from_utf8_lossy(frame.values());
+                    show(frame.header().stamp, &mut |at| observer.log(at, frame.header(), &text))
+                })
+            }
             _ => None,
         })
     }

@@ -1,5 +1,6 @@
 //! The trait of an observer: a component without a role in the physics, which sees frames.
 
+use crate::roles::no_state;
 use crate::setup::Setup;
 use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -10,6 +11,7 @@ use tremie_messages::frame::{
 };
 use tremie_messages::start::{Description, Signal};
 use tremie_messages::{Problem, Stamp};
+use tremie_state::{StateError, StateExchange};
 
 /// When a frame was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,8 +93,21 @@ pub trait Observer: Sized {
     /// Checks the parameters and says what the observer needs; nothing is opened yet.
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>>;
 
-    /// Opens outputs. Called once, when the assignment is known.
+    /// Opens outputs. Called once, when the assignment is known. Where [`Setup::goes_on`] says so, outputs
+    /// of the run before are there, and are left as they are: its state is put back next.
     fn open(setup: &Setup) -> Result<Self, ObserverError>;
+
+    /// Names the state of the observer and of its outputs once for both ways: to keep it when it has
+    /// seen all frames of a checkpoint's window and none of a later one, and to put it back. Then
+    /// outputs are as they were, and what was written since is gone. Called only where the
+    /// description has a version of the state ([`Description::state`]). An observer without one begins
+    /// its outputs anew when a run goes on.
+    ///
+    /// # Errors
+    /// A state that is damaged or another's; outputs that are no longer there.
+    fn exchange_state(&mut self, _state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        Err(no_state(Self::PROGRAM))
+    }
 
     /// All bodies at one moment; `from` is the sending component.
     fn bodies(

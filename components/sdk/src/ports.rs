@@ -4,12 +4,14 @@
 use crate::context::{Context, Owed};
 use crate::finite::{Finite, OfBody};
 use crate::stop::Stop;
+use std::cell::RefCell;
 use tremie_channels::{
     ChannelError, ChannelMedium, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
 };
-use tremie_messages::schedule::{Content, Edge};
+use tremie_messages::schedule::{Content, Edge, Op};
 use tremie_messages::start::{FaultKind, InjectionKind};
-use tremie_messages::{FacetLoad, Message, PortState, Stamp};
+use tremie_messages::{FacetLoad, Message, PortState, Stamp, bytes_of, values_of};
+use tremie_state::{StateError, StateExchange};
 
 /// The receiving end of an edge.
 pub struct InPort<S: ChannelMedium, T: Message> {
@@ -22,6 +24,69 @@ pub struct OutPort<S: ChannelMedium, T: Message> {
     edge: Edge,
     sender: Sender<S, Stamp, T>,
     ringer: Ringer<S>,
+    /// The message of a checkpoint's window, where its receiver takes it in the next: it is sent again
+    /// when the run goes on from there.
+    under_way: Option<RefCell<Vec<T>>>,
+}
+
+/// What was taken from an edge last, until the next is taken: in the sender's memory, or put back from a
+/// checkpoint.
+pub enum Taken<S: ChannelMedium, T: Message> {
+    /// Nothing yet, or given back.
+    Nothing,
+    /// A message.
+    Message(Received<S, Stamp, T>),
+    /// The values of a message that was taken before the checkpoint from which the run goes on.
+    PutBack(Vec<T>),
+}
+
+impl<S: ChannelMedium, T: Message> Taken<S, T> {
+    /// The values, if there was a message.
+    pub fn values(&self) -> Option<&[T]> {
+        match self {
+            Self::Nothing => None,
+            Self::Message(message) => Some(message.values()),
+            Self::PutBack(values) => Some(values),
+        }
+    }
+
+    /// Keeps the values, or puts them back.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(
+        &mut self,
+        name: &str,
+        state: &mut StateExchange<'_>,
+    ) -> Result<(), StateError> {
+        let mut values = self.values().map(<[T]>::to_vec);
+        exchange_values(name, state, &mut values)?;
+        if state.restores() {
+            *self = values.map_or(Self::Nothing, Self::PutBack);
+        }
+        Ok(())
+    }
+}
+
+/// Keeps the values of a message as they lie in memory, or puts them back.
+fn exchange_values<T: Message>(
+    name: &str,
+    state: &mut StateExchange<'_>,
+    values: &mut Option<Vec<T>>,
+) -> Result<(), StateError> {
+    let mut is_there = values.is_some();
+    state.value(&format!("has_{name}"), &mut is_there)?;
+    if !is_there {
+        *values = None;
+        return Ok(());
+    }
+    let mut bytes = bytes_of(values.as_deref().unwrap_or_default()).to_vec();
+    state.list(name, &mut bytes)?;
+    *values = values_of(&bytes);
+    match values {
+        Some(_) => Ok(()),
+        None => state.unfit(format!("`{name}` of the state is no whole message")),
+    }
 }
 
 /// The channel of an edge, as both ends must open it. A receiver keeps what it has until the next
@@ -226,10 +291,15 @@ impl<S: ChannelMedium> InPort<S, PortState> {
 impl<S: ChannelMedium, T: Message> OutPort<S, T> {
     /// Opens the sending end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
+        let assignment = &context.assignment;
+        let is_own =
+            |op: &Op| matches!(op, Op::Send { edge: own } if assignment.edges[*own] == *edge);
+        let is_under_way = assignment.script.resume.iter().any(is_own);
         Ok(Self {
             sender: context.attachment.sender(edge_spec(edge))?,
             ringer: Ringer::of(&context.attachment, &edge.to)?,
             edge: edge.clone(),
+            under_way: is_under_way.then(RefCell::default),
         })
     }
 
@@ -249,9 +319,34 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
     }
 
     /// Sends `loan` with the stamp of the present window.
-    pub fn send(&self, context: &Context<S>, loan: Loan<S, Stamp, T>) -> Result<(), Stop> {
+    pub fn send(&self, context: &Context<S>, mut loan: Loan<S, Stamp, T>) -> Result<(), Stop> {
+        if context.keeps_state()
+            && let Some(kept) = &self.under_way
+        {
+            kept.replace(loan.values().to_vec());
+        }
         let sent = loan.send(self.stamp(context)).and_then(|()| self.ringer.ring());
         sent.map_err(|error| self.broken(error, context.window))
+    }
+
+    /// Keeps the message that is under way at the end of a checkpoint's window, or puts it back.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Some(kept) = &mut self.under_way else { return Ok(()) };
+        let mut values = Some(kept.take());
+        exchange_values(self.edge.content.name(), state, &mut values)?;
+        kept.replace(values.unwrap_or_default());
+        Ok(())
+    }
+
+    /// Sends the message again that was under way at the end of the checkpoint's window.
+    pub fn send_again(&self, context: &Context<S>) -> Result<(), Stop> {
+        let Some(kept) = &self.under_way else { return Ok(()) };
+        let sent = self.sender.send_copy(self.stamp(context), &kept.borrow());
+        let rung = sent.and_then(|()| self.ringer.ring());
+        rung.map_err(|error| self.broken(error, context.window))
     }
 
     fn broken(&self, error: ChannelError, window: u64) -> Stop {

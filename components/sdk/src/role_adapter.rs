@@ -7,6 +7,7 @@ use crate::stop::Stop;
 use tremie_channels::ChannelMedium;
 use tremie_messages::Problem;
 use tremie_messages::schedule::Content;
+use tremie_state::{StateError, StateExchange};
 
 /// A solver that plays its role in the windows of a run.
 pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
@@ -23,6 +24,11 @@ pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop>;
     /// Sends the present window's message.
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop>;
+    /// Sends the message of a content again that was under way at the checkpoint from which the run
+    /// goes on.
+    fn send_again(&mut self, context: &Context<S>, content: Content) -> Result<(), Stop>;
+    /// Keeps the state at a window's end, the solver's and the adapter's own, or puts it back.
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
     /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when
     /// they were measured last.
     fn signals(&mut self, values: &mut Vec<f64>, measure: bool);

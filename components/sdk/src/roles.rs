@@ -5,6 +5,7 @@ use tremie_messages::frame::{ProfileBin, ProfileHeader, SliceHeader, SliceNode, 
 use tremie_messages::scene::{BodySet, Placement};
 use tremie_messages::start::{Description, VolumeGrid};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
+use tremie_state::{StateError, StateExchange};
 
 /// A solver failed: a sentence that says what, where, found, expected, what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -26,6 +27,11 @@ impl SolverError {
     fn no_surfaces(program: &str) -> Self {
         Self(format!("{program} takes no deformable surfaces"))
     }
+}
+
+/// Of a program that keeps no state, as it says itself, and is asked for one.
+pub(crate) fn no_state(program: &str) -> StateError {
+    StateError::Unfit(format!("{program} keeps no state"))
 }
 
 /// Refuses a scene with deformable surfaces for a program that does not take them.
@@ -147,6 +153,16 @@ pub trait Fluid: Sized {
         Err(SolverError::no_ports(Self::PROGRAM))
     }
 
+    /// Names the state at a window's end once for both ways, to keep it and to put it back into a fluid
+    /// made anew from the same scene. Called only where the description has a version of the
+    /// state ([`Description::state`]).
+    ///
+    /// # Errors
+    /// A state that is damaged or another's; a solver that keeps none.
+    fn exchange_state(&mut self, _state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        Err(no_state(Self::PROGRAM))
+    }
+
     /// Pushes the values of the signals, in the order of the description; without those that are
     /// sampled.
     fn signals(&mut self, values: &mut Vec<f64>);
@@ -228,6 +244,16 @@ pub trait Grains: Sized {
     /// If the solver fails, or does not take them.
     fn ports(&mut self, _ports: &[PortState]) -> Result<(), SolverError> {
         Err(SolverError::no_ports(Self::PROGRAM))
+    }
+
+    /// Names the state at a window's end once for both ways, to keep it and to put it back into grains
+    /// made anew from the same scene. Called only where the description has a version of the
+    /// state ([`Description::state`]).
+    ///
+    /// # Errors
+    /// A state that is damaged or another's; a solver that keeps none.
+    fn exchange_state(&mut self, _state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        Err(no_state(Self::PROGRAM))
     }
 
     /// Pushes the values of the signals, in the order of the description. Those that the
@@ -379,6 +405,16 @@ pub trait Rubber: Sized {
     /// Writes what the surfaces pass on to their carriers besides the contacts: force, and torque
     /// about the carrier's reference point, one for each surface. Ids are set by the sdk.
     fn resultants(&self, loads: &mut [Load]);
+
+    /// Names the state at a window's end once for both ways, to keep it and to put it back into a rubber
+    /// made anew from the same scene. Called only where the description has a version of the
+    /// state ([`Description::state`]).
+    ///
+    /// # Errors
+    /// A state that is damaged or another's; a solver that keeps none.
+    fn exchange_state(&mut self, _state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        Err(no_state(Self::PROGRAM))
+    }
 
     /// Pushes the values of the signals, in the order of the description.
     fn signals(&mut self, values: &mut Vec<f64>);

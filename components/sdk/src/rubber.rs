@@ -17,6 +17,7 @@ use tremie_messages::frame::SurfaceSample;
 use tremie_messages::schedule::Content;
 use tremie_messages::start::Description;
 use tremie_messages::{FacetLoad, Problem, Role, Stamp, SurfaceVertex};
+use tremie_state::{StateError, StateExchange};
 
 /// Rubber as a component of a run.
 pub struct AsRubber<T>(PhantomData<T>);
@@ -120,6 +121,15 @@ impl<S: ChannelMedium, R: Rubber> RoleAdapter<S> for RubberPlayer<S, R> {
         self.rubber.surface(loan.values());
         // Faults on purpose are committed inside the window.
         port.send(context, loan)
+    }
+
+    fn send_again(&mut self, context: &Context<S>, _: Content) -> Result<(), Stop> {
+        self.surface.as_ref().map_or(Ok(()), |port| port.send_again(context))
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.within("rubber", |state| self.rubber.exchange_state(state))?;
+        self.surface.as_mut().map_or(Ok(()), |port| port.exchange(state))
     }
 
     fn signals(&mut self, values: &mut Vec<f64>, _: bool) {

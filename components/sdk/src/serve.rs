@@ -2,6 +2,7 @@
 
 use crate::context::Context;
 use crate::frames::Frames;
+use crate::keep::StateKeeper;
 use crate::line::ControlPipe;
 use crate::role_adapter::RoleAdapter;
 use crate::setup::Setup;
@@ -12,7 +13,7 @@ use tremie_channels::ChannelMedium;
 use tremie_messages::INTERFACE_VERSION;
 use tremie_messages::Role;
 use tremie_messages::problem::Problem;
-use tremie_messages::schedule::Op;
+use tremie_messages::schedule::{Content, Op};
 use tremie_messages::start::{
     Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request,
 };
@@ -104,6 +105,7 @@ pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
             return Ok(());
         }
     };
+    let mut keeper = StateKeeper::new(&hello, &description);
     let signals = description.signals.len();
     let flags = description.signals.iter().map(|signal| signal.sampled);
     let sampled: Vec<usize> =
@@ -117,11 +119,14 @@ pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
                 return fault.map_or(Ok(()), |fault| tell_fault(&mut line, fault));
             }
         };
-    let ended = catch_unwind(AssertUnwindSafe(|| live(&mut player, &mut context, &sampled)))
-        .unwrap_or_else(|panic| {
-            Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
-        });
+    let ended = catch_unwind(AssertUnwindSafe(|| {
+        live(&mut player, &mut context, &mut keeper, (signals, &sampled))
+    }))
+    .unwrap_or_else(|panic| {
+        Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
+    });
     let window = context.window;
+    keeper.wait();
     match ended {
         Ok(last) => {
             let reply = Reply::Finished { window: last, note: String::new() };
@@ -157,20 +162,35 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     format!("the solver panicked: {said}")
 }
 
-/// From ready to the last window; returns that window. `sampled` are the places of the signals that
-/// are not measured in every window.
+/// From ready to the last window; returns that window. `signals`: their number, and the places of
+/// those that are not measured in every window.
 fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     player: &mut P,
     context: &mut Context<S>,
-    sampled: &[usize],
+    keeper: &mut StateKeeper,
+    (signals, sampled): (usize, &[usize]),
 ) -> Result<u64, Stop> {
     player.open(context)?;
+    let resume = context.assignment.resume.clone();
+    if let Some(resume) = &resume {
+        let put_back = keeper.put_back(resume, |state| player.exchange_state(state));
+        put_back.map_err(|error| {
+            context.fault(FaultKind::State, &context.component, error.to_string())
+        })?;
+    }
     let mut frames = Frames::open(context)?;
     let gone = |_| Stop::Aborted;
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
+    let first = match &resume {
+        None => 0,
+        Some(resume) if go_on(player, context, &mut frames, (resume.window, signals))? => {
+            resume.window + 1
+        }
+        Some(_) => return Ok(context.window),
+    };
     let (mut values, mut is_measured) = (Vec::new(), false);
     let script = context.assignment.script.clone();
-    for window in 0..=context.assignment.windows {
+    for window in first..=context.assignment.windows {
         let begin = Instant::now();
         if !context.may_start(window)? {
             break;
@@ -199,6 +219,10 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
         }
         let work = player.work();
         context.send_report(begin, work, &values)?;
+        if context.keeps_state() {
+            let replier = context.line().replier();
+            keeper.keep(window, replier, |state| player.exchange_state(state));
+        }
     }
     // Only here is it known that the window was the last: a run may end before its plan does.
     if !is_measured && !sampled.is_empty() {
@@ -207,6 +231,28 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     }
     frames.send_last(context, player, &values);
     Ok(context.window)
+}
+
+/// In place of the start exchange: everything is as it was at the end of the checkpoint's window.
+/// `false` if the run ends before the next.
+fn go_on<S: ChannelMedium, P: RoleAdapter<S>>(
+    player: &mut P,
+    context: &mut Context<S>,
+    frames: &mut Frames<S>,
+    (window, signals): (u64, usize),
+) -> Result<bool, Stop> {
+    let may = context.may_start(window)?;
+    (context.window, context.substeps) = (window, context.assignment.substeps);
+    if may {
+        player.connect()?;
+        for op in context.assignment.script.resume.clone() {
+            let Op::Send { edge } = op else { continue };
+            let content: Content = context.assignment.edges[edge].content;
+            player.send_again(context, content)?;
+        }
+        frames.send_again(context, player, signals);
+    }
+    Ok(may)
 }
 
 fn play<S: ChannelMedium, P: RoleAdapter<S>>(

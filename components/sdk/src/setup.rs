@@ -23,6 +23,12 @@ impl Setup {
         crate::parameters::read(&self.hello.parameters)
     }
 
+    /// True if the run goes on from a checkpoint, with the outputs that were written before.
+    pub fn goes_on(&self) -> bool {
+        let resume = self.assignment.as_ref().and_then(|assignment| assignment.resume.as_ref());
+        resume.is_some_and(|resume| resume.same_outputs)
+    }
+
     /// The assignment; there from [`crate::Fluid::create`] and its like on.
     ///
     /// # Errors

@@ -12,6 +12,12 @@ pub struct Credit {
     pub window: u64,
     /// [`Credit::ADVANCE`], [`Credit::FINISH`] or [`Credit::ABORT`].
     pub command: u64,
+    /// The newest window at whose end components keep their states for a checkpoint; 0 before the
+    /// first. No component has begun this window when it is named.
+    pub checkpoint: u64,
+    /// The newest of these windows at whose end all physics has kept its state, and has sent the
+    /// window's frames before. Observers keep theirs then.
+    pub kept: u64,
 }
 
 impl Credit {
@@ -41,9 +47,9 @@ pub struct Report {
     pub work: u64,
 }
 
-// SAFETY: three words, no padding.
+// SAFETY: five words, no padding.
 unsafe impl Message for Credit {
-    const TYPE_NAME: &'static str = "tremie.Credit.1";
+    const TYPE_NAME: &'static str = "tremie.Credit.2";
 }
 // SAFETY: a stamp of 40 bytes and five words, no padding.
 unsafe impl Message for Report {

@@ -32,7 +32,7 @@ pub use surface::{FacetLoad, SurfaceVertex};
 
 /// Version of everything in this crate that crosses a process boundary. A component of another
 /// version is refused at the handshake, before anything is computed.
-pub const INTERFACE_VERSION: u32 = 4;
+pub const INTERFACE_VERSION: u32 = 5;
 
 /// A value that may cross shared memory.
 ///
@@ -43,6 +43,29 @@ pub const INTERFACE_VERSION: u32 = 4;
 pub unsafe trait Message: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// Name of the type and its layout across processes and languages.
     const TYPE_NAME: &'static str;
+}
+
+/// Values as they lie in memory.
+pub fn bytes_of<T: Message>(values: &[T]) -> &[u8] {
+    // SAFETY: `Message` demands that there is no padding: every byte is initialised.
+    unsafe { std::slice::from_raw_parts(values.as_ptr().cast(), size_of_val(values)) }
+}
+
+/// Values that lay in memory so; `None` if the bytes are no whole number of them.
+pub fn values_of<T: Message>(bytes: &[u8]) -> Option<Vec<T>> {
+    let (count, rest) = (bytes.len() / size_of::<T>(), bytes.len() % size_of::<T>());
+    let mut values: Vec<T> = Vec::with_capacity(count);
+    // SAFETY: there is room for `count` values, all of whose bytes are written here; every pattern
+    // of bits is a value (contract of `Message`).
+    unsafe {
+        std::ptr::copy_nonoverlapping(
+            bytes.as_ptr(),
+            values.as_mut_ptr().cast(),
+            bytes.len() - rest,
+        );
+        values.set_len(count);
+    }
+    (rest == 0).then_some(values)
 }
 
 // SAFETY: plain numbers.

@@ -127,11 +127,16 @@ pub enum Op {
     },
 }
 
-/// Operations of a component: once in the start exchange, then in every window.
+/// Operations of a component: once in the start exchange or where a run goes on, then in every
+/// window.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Script {
     /// Start exchange (window 0).
     pub start: Vec<Op>,
     /// Every window from 1 on.
     pub window: Vec<Op>,
+    /// In place of the start exchange, where a run goes on from a checkpoint: sends again, of the
+    /// checkpoint's window, what receivers take in the next.
+    #[serde(default)]
+    pub resume: Vec<Op>,
 }

@@ -30,11 +30,12 @@ const ARRAY: &str = ".npy";
 const VALUE: &str = ".postcard";
 
 impl SavedState {
-    /// Writes the state into a new file, and waits until the disk has it.
+    /// Writes the state into a new file, and waits until the disk has it. Returns the length of the
+    /// file [bytes].
     ///
     /// # Errors
     /// If the file is there already, or the disk refuses; then no file is left.
-    pub fn write(&self, path: &Path, header: &StateHeader) -> Result<(), StateError> {
+    pub fn write(&self, path: &Path, header: &StateHeader) -> Result<u64, StateError> {
         let failed = |error| StateError::Io { path: path.to_path_buf(), error };
         let file = File::create_new(path).map_err(failed)?;
         let written = self.fill(file, header);
@@ -45,7 +46,7 @@ impl SavedState {
         written.map_err(failed)
     }
 
-    fn fill(&self, file: File, header: &StateHeader) -> io::Result<()> {
+    fn fill(&self, file: File, header: &StateHeader) -> io::Result<u64> {
         let mut archive = ZipWriter::new(BufWriter::with_capacity(PIECE, file));
         let about = serde_json::to_vec_pretty(header)?;
         archive.start_file(ABOUT, numpy::stored(about.len()))?;
@@ -65,7 +66,8 @@ impl SavedState {
             archive.write_all(bytes)?;
         }
         let file = archive.finish()?.into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.sync_all()
+        file.sync_all()?;
+        Ok(file.metadata()?.len())
     }
 }
 
@@ -107,14 +109,27 @@ impl StateArchive {
         program: &str,
         component: &mut T,
     ) -> Result<(), StateError> {
+        self.put_back(program, T::STATE_VERSION, |state| component.exchange_state(state))
+    }
+
+    /// Puts the state back where `tell` names it, of a program whose states have this version.
+    ///
+    /// # Errors
+    /// As [`StateArchive::restore`].
+    pub fn put_back(
+        &mut self,
+        program: &str,
+        version: u32,
+        tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
+    ) -> Result<(), StateError> {
         let say = |program: &str, version: u32| format!("{program} (state version {version})");
-        let StateHeader { program: found, version, .. } = &self.header;
-        if found != program || *version != T::STATE_VERSION {
-            let (found, expected) = (say(found, *version), say(program, T::STATE_VERSION));
+        let StateHeader { program: found, version: kept, .. } = &self.header;
+        if found != program || *kept != version {
+            let (found, expected) = (say(found, *kept), say(program, version));
             return Err(StateError::Foreign { found, expected });
         }
         let mut exchange = StateExchange::restoring(self);
-        component.exchange_state(&mut exchange)?;
+        tell(&mut exchange)?;
         exchange.end()
     }
 }

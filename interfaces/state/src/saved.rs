@@ -41,8 +41,18 @@ impl SavedState {
     /// # Errors
     /// If the component names two entries alike, or cannot be kept now.
     pub fn of<T: KeepsState>(component: &mut T) -> Result<Self, StateError> {
+        Self::told(|state| component.exchange_state(state))
+    }
+
+    /// The state that `tell` names.
+    ///
+    /// # Errors
+    /// Those of `tell`, or two entries that are named alike.
+    pub fn told(
+        tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
+    ) -> Result<Self, StateError> {
         let mut entries = Vec::new();
-        component.exchange_state(&mut StateExchange::saving(&mut entries))?;
+        tell(&mut StateExchange::saving(&mut entries))?;
         Ok(Self { entries })
     }
 

@@ -6,6 +6,7 @@
 //! (`check`). Problems point at the line they come from ([`Source`]).
 
 mod check;
+mod differences;
 mod document;
 mod explain;
 mod overrides;
@@ -20,9 +21,11 @@ mod spec;
 mod tests;
 mod tree;
 
+pub use differences::differences;
 pub use source::Source;
 pub use spec::{
-    ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, START_WITHIN, Spec, StopCondition,
+    Checkpoints, ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, START_WITHIN, Spec,
+    StopCondition,
 };
 
 use document::Document;

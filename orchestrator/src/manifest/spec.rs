@@ -44,6 +44,25 @@ pub struct RunOptions {
     pub start_within: f64,
     /// Seed of everything random.
     pub seed: u64,
+    /// Checkpoints that are made of it.
+    pub checkpoints: Checkpoints,
+}
+
+/// Times at which a run makes checkpoints, and how many it keeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkpoints {
+    /// Wall time from one to the next [s].
+    pub every: Option<f64>,
+    /// Windows from one to the next.
+    pub windows: Option<u64>,
+    /// Number that is kept; none is made for 0.
+    pub keep: u32,
+}
+
+impl Default for Checkpoints {
+    fn default() -> Self {
+        Self { every: Some(900.0), windows: None, keep: 2 }
+    }
 }
 
 /// A component of a run.

@@ -152,6 +152,42 @@ impl RunFolder {
         }
     }
 
+    /// Claims the folder of a run that has ended, or was killed, to go on with it.
+    ///
+    /// # Errors
+    /// If the run is still under way, or the folder cannot be written.
+    pub fn reclaim(folder: &Path) -> Result<Self, OutputError> {
+        let path = text_of(folder)?;
+        let part = path.join(CLAIM);
+        loop {
+            let mut open = OpenOptions::new();
+            let open = open.read(true).write(true).create(true).truncate(false);
+            let claim = open.open(&part).map_err(OutputError::at(&part))?;
+            if flock(&claim, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK) {
+                return Err(OutputError::Claimed(path));
+            }
+            if !is_at(&claim, &part) {
+                // The run that had it came to its end between the two calls.
+                continue;
+            }
+            return Ok(Self { path, claim, is_finished: false });
+        }
+    }
+
+    /// Removes the summary of an end that is none, because the run goes on.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn forget_end(&self) -> Result<(), OutputError> {
+        let path = self.file(SUMMARY);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(OutputError::at(&path)(error))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Absolute path of the folder.
     pub fn path(&self) -> &Path {
         &self.path

@@ -44,6 +44,16 @@ impl RunLog {
         Ok(Self { file: BufWriter::new(file), path: path.to_path_buf() })
     }
 
+    /// Opens the log of a run that goes on: lines are added to it.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn reopen(path: &Path) -> Result<Self, OutputError> {
+        let file = File::options().append(true).create(true).open(path);
+        let file = file.map_err(OutputError::at(path))?;
+        Ok(Self { file: BufWriter::new(file), path: path.to_path_buf() })
+    }
+
     /// Writes a line: its source, its window and simulated time [s], its text.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! Outputs of a run in its folder that the orchestrator writes: the manifest as resolved, the table
 //! of signals, the log and the summary. `tremie-results` reads the table again.
 
+mod checkpoint_folder;
 mod folder;
 mod judged_finding;
 mod log;
@@ -9,6 +10,10 @@ mod signals;
 mod summary;
 mod trace;
 
+pub use checkpoint_folder::{
+    CheckpointRecord, ComponentRecord, NoCheckpoint, UnfinishedCheckpoint, WholeCheckpoint,
+    remove_old_checkpoints, remove_unfinished_checkpoints,
+};
 pub use folder::{OutputError, RunFolder};
 pub use judged_finding::{JudgedFinding, WHOLE};
 pub use log::{LogLevel, RunLog};

@@ -1,11 +1,12 @@
 //! The table of signals, and their extremes.
 
 use super::folder::OutputError;
-use serde::Serialize;
-use std::fs::File;
-use std::io;
+use serde::{Deserialize, Serialize};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use tremie_messages::start::{Clock, Signal};
+use tremie_state::{StateError, StateExchange};
 
 /// Least, greatest and last value of a signal, with the times of the extremes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,7 +32,7 @@ pub struct Statistics {
 }
 
 /// Signals of one window: those of all components, one component after the other.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalRow {
     /// The window.
     pub window: u64,
@@ -76,6 +77,61 @@ impl SignalTable {
         let names = signals.iter().map(|(name, _)| name.clone()).collect();
         let path = path.to_path_buf();
         Ok(Self { table, path, clock, every: every.max(1), names, statistics, held: None })
+    }
+
+    /// Opens the table of a run that goes on; [`SignalTable::exchange`] then puts it back to where the
+    /// checkpoint was made.
+    ///
+    /// # Errors
+    /// If the file is not there, or cannot be written.
+    pub fn reopen(
+        path: &Path,
+        clock: Clock,
+        every: u64,
+        signals: &[(String, Signal)],
+    ) -> Result<Self, OutputError> {
+        let file = OpenOptions::new().read(true).write(true).open(path);
+        let table = csv::Writer::from_writer(file.map_err(OutputError::at(path))?);
+        let statistics = signals.iter().map(|(_, signal)| Statistics::none(signal)).collect();
+        let names = signals.iter().map(|(name, _)| name.clone()).collect();
+        let path = path.to_path_buf();
+        Ok(Self { table, path, clock, every: every.max(1), names, statistics, held: None })
+    }
+
+    /// Keeps what is in the table, once the disk has it, or puts it back: rows that came later are gone
+    /// then.
+    ///
+    /// # Errors
+    /// If the disk refuses, or the table is shorter than it was.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let failed = |error| StateError::Io { path: self.path.clone(), error };
+        let mut length = 0;
+        if !state.restores() {
+            self.table.flush().map_err(failed)?;
+            self.table.get_ref().sync_data().map_err(failed)?;
+            length = self.table.get_ref().metadata().map_err(failed)?.len();
+        }
+        state.value("length", &mut length)?;
+        state.value("held", &mut self.held)?;
+        for (name, statistics) in self.names.iter().zip(&mut self.statistics) {
+            let Statistics { min, min_at, max, max_at, last, .. } = statistics;
+            let mut values = [*min, *min_at, *max, *max_at, *last];
+            state.array(&format!("statistics.{name}"), &mut values)?;
+            [*min, *min_at, *max, *max_at, *last] = values;
+        }
+        if state.restores() {
+            let mut file = self.table.get_ref();
+            let found = file.metadata().map_err(failed)?.len();
+            if found < length {
+                let path = self.path.display();
+                return state.unfit(format!(
+                    "{path} has {found} bytes; when the checkpoint was made it had {length}"
+                ));
+            }
+            file.set_len(length).map_err(failed)?;
+            file.seek(SeekFrom::End(0)).map_err(failed)?;
+        }
+        Ok(())
     }
 
     /// Takes the row of a window; rows come in order.

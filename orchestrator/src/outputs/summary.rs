@@ -2,7 +2,7 @@
 
 use super::signals::Statistics;
 use super::{JudgedFinding, ScheduleTiming};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use tremie_messages::start::Fault;
 
@@ -45,7 +45,7 @@ impl Ending {
 }
 
 /// Sums over the reports of one component.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ComponentTotals {
     /// Wall time in the solver [ns].
     pub compute: u64,
@@ -113,6 +113,9 @@ pub struct Summary {
     pub windows: u64,
     /// Windows that were planned.
     pub planned_windows: u64,
+    /// Window of the newest checkpoint, from which `tremie resume` goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<u64>,
     /// Simulated time [s].
     pub simulated_time: f64,
     /// Wall time from the first window to the last [s].

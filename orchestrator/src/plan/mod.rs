@@ -23,7 +23,7 @@ use steps::{Steps, Wish};
 use tremie_messages::scene::{DeformableSurface, Scene};
 use tremie_messages::schedule::{Content, Edge, Schedule, Script};
 use tremie_messages::start::{
-    Assignment, Clock, Description, FrameContent, FrameStream, Injection, Transport,
+    Assignment, Clock, Description, FrameContent, FrameStream, Injection, Resume, Transport,
 };
 use tremie_messages::{FacetLoad, PortState, Problem, Role};
 
@@ -99,8 +99,9 @@ pub struct PlannedComponent {
 }
 
 impl PlannedComponent {
-    /// The second request of the start contract; `transport` names the shared memory of the run.
-    pub fn assignment(&self, transport: Transport) -> Assignment {
+    /// The second request of the start contract; `transport` names the shared memory of the run, and
+    /// `resume` the checkpoint from which it goes on.
+    pub fn assignment(&self, transport: Transport, resume: Option<Resume>) -> Assignment {
         Assignment {
             clock: self.clock,
             windows: self.windows,
@@ -113,11 +114,20 @@ impl PlannedComponent {
             frames: self.frames.clone(),
             transport,
             injections: self.injections.clone(),
+            resume,
         }
     }
 }
 
 impl Plan {
+    /// True if all physics keeps its state, so that checkpoints can be made.
+    pub fn can_be_kept(&self, descriptions: &[Description]) -> bool {
+        let mut described = self.components.iter().zip(descriptions);
+        described.all(|(component, description)| {
+            component.role == Role::Observer || description.state.is_some()
+        })
+    }
+
     /// Indices of the components that must not lose a frame.
     pub fn lossless_observers(&self) -> Vec<usize> {
         let must = |c: &PlannedComponent| {
@@ -234,7 +244,7 @@ fn assemble(
         body_capacity,
         // In the order of the member's links: its script holds indices into them.
         edges: wiring.members[index].links.iter().map(|link| edges[*link].clone()).collect(),
-        script: wiring.members[index].script.clone(),
+        script: Script { resume: wiring.resume(index), ..wiring.members[index].script.clone() },
         frames: frames
             .iter()
             .filter(|s| s.from == spec.name || s.to == spec.name)
@@ -291,6 +301,16 @@ fn notes(
     steps: &Steps,
 ) -> (Vec<String>, Vec<String>) {
     let (mut notes, mut warnings) = streams::notes(described, frames, steps.windows);
+    if spec.run.checkpoints.keep > 0 {
+        let physics = described.iter().filter(|(spec, _)| spec.role != Role::Observer);
+        let stateless = physics.filter(|(_, description)| description.state.is_none());
+        notes.extend(stateless.map(|(spec, description)| {
+            format!(
+                "{} ({}) keeps no state: the run cannot be resumed",
+                spec.name, description.program
+            )
+        }));
+    }
     let profiles = profiles::notes(&spec.scene, steps.clock.window(), steps.windows);
     notes.extend(profiles.0);
     warnings.extend(profiles.1);

@@ -193,13 +193,13 @@ fn edges_and_frames_carry_what_is_needed() {
             ("orchestrator/frames/log/viewer", 1, false),
         ]
     );
-    let assignment = plan.components[1].assignment(transport());
+    let assignment = plan.components[1].assignment(transport(), None);
     assert_eq!(assignment.edges.len(), 3);
     assert_eq!(assignment.edges[2].content, Content::Load);
     assert_eq!(assignment.frames.len(), 4);
     assert_eq!((assignment.substeps, assignment.body_capacity), (3, 40));
     assert_eq!(assignment.transport, transport());
-    let viewer = plan.components[3].assignment(transport());
+    let viewer = plan.components[3].assignment(transport(), None);
     assert!(viewer.edges.is_empty() && viewer.script.window.is_empty());
     assert_eq!(viewer.frames.len(), 5);
     assert_eq!(viewer.frames[4].content, FrameContent::Log);
@@ -286,8 +286,8 @@ fn stop_conditions_and_injections_must_name_what_is_there() {
         make(&spec(&[]), &descriptions(), &options)
     };
     let plan = with("grains", 7).unwrap();
-    assert_eq!(plan.components[1].assignment(transport()).injections, [injection(7)]);
-    assert!(plan.components[0].assignment(transport()).injections.is_empty());
+    assert_eq!(plan.components[1].assignment(transport(), None).injections, [injection(7)]);
+    assert!(plan.components[0].assignment(transport(), None).injections.is_empty());
     assert!(with("grain", 7).unwrap_err()[0].to_string().contains("did you mean \"grains\"?"));
     assert!(with("grains", 10_001).unwrap_err()[0].message.contains("none of the run"));
 }

@@ -24,6 +24,8 @@ pub struct Cli {
 pub enum Command {
     /// Run a manifest.
     Run(RunArgs),
+    /// Go on with a run that was ended or interrupted, from its newest checkpoint.
+    Resume(ResumeArgs),
     /// Check a manifest completely and print the plan, without running it.
     Check(CheckArgs),
     /// List the signals of a manifest's components: names, units, meanings.
@@ -178,6 +180,34 @@ pub struct RunArgs {
     /// Make a component commit a fault, to see it caught: grains:drop@17
     #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
     pub inject: Vec<(String, Injection)>,
+}
+
+/// Arguments of `tremie resume`.
+#[derive(Debug, Args)]
+pub struct ResumeArgs {
+    /// Folder of the run's outputs
+    pub out: PathBuf,
+    /// Go on from the checkpoint of this window [default: the newest]
+    #[arg(long, value_name = "WINDOW")]
+    pub at: Option<u64>,
+    /// Simulated time at which to end, as "0.5 s"
+    #[arg(long, value_name = "TIME")]
+    pub until: Option<String>,
+    /// Change a value that may change from here on, as outputs.frames="1 ms"
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Watch the run in the Rerun viewer: in a browser, in its own window, in a file for later
+    #[arg(long, value_name = "web|native|FILE.rrd|none", default_value = "none", value_parser = parse_view)]
+    pub view: View,
+    /// Run the components as threads of one process
+    #[arg(long)]
+    pub in_process: bool,
+    /// Say nothing but errors and the last line
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Speak JSON, one document a line, on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `tremie view`.

@@ -3,6 +3,7 @@
 
 use crate::manifest::ORCHESTRATOR;
 use crate::run::launch::Peer;
+use std::cell::Cell;
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Receiver, Ringer, Sender};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
@@ -29,6 +30,8 @@ pub struct Control<S: ChannelMedium> {
     ends: Vec<End<S>>,
     logs: Vec<LogEnd<S>>,
     attachment: Attachment<S>,
+    checkpoint: Cell<u64>,
+    kept: Cell<u64>,
 }
 
 impl<S: ChannelMedium> Control<S> {
@@ -64,7 +67,18 @@ impl<S: ChannelMedium> Control<S> {
                 logs.push(LogEnd { sender, ringer, capacity: stream.capacity as usize });
             }
         }
-        Ok(Self { run, ends, logs, attachment })
+        let (checkpoint, kept) = Default::default();
+        Ok(Self { run, ends, logs, attachment, checkpoint, kept })
+    }
+
+    /// Names the window of the next checkpoint, in all words from now on.
+    pub fn name_checkpoint(&self, window: u64) {
+        self.checkpoint.set(window);
+    }
+
+    /// Says, in all words from now on, that all physics has kept its state for the last checkpoint.
+    pub fn all_have_kept(&self) {
+        self.kept.set(self.checkpoint.get());
     }
 
     /// Sends component `index` a command, and wakes it if it sleeps.
@@ -73,7 +87,9 @@ impl<S: ChannelMedium> Control<S> {
     /// [`ChannelError::Failed`].
     pub fn say(&self, index: usize, command: u64, window: u64) -> Result<(), ChannelError> {
         let end = &self.ends[index];
-        end.credit.send_copy(Stamp::default(), &[Credit { run: self.run, window, command }])?;
+        let (checkpoint, kept) = (self.checkpoint.get(), self.kept.get());
+        let word = Credit { run: self.run, window, command, checkpoint, kept };
+        end.credit.send_copy(Stamp::default(), &[word])?;
         end.ringer.ring()
     }
 

@@ -2,7 +2,8 @@
 
 use crate::manifest::Manifest;
 use crate::outputs::{
-    self, ComponentSummary, OutputError, RunFolder, RunLog, SignalTable, Statistics, Summary, Trace,
+    self, ComponentSummary, OutputError, RunFolder, RunLog, SignalTable, Statistics, Summary,
+    Trace, WholeCheckpoint,
 };
 use crate::plan::REPORT_DEPTH;
 use crate::preflight;
@@ -11,7 +12,7 @@ use crate::run::control::Control;
 use crate::run::handshake::cores;
 use crate::run::launch::{ComponentEvent, Peer, PeerEvent, end_all};
 use crate::run::monitor::{Monitor, WatchedComponent};
-use crate::run::run_loop::{LoopOutcome, RunLoop};
+use crate::run::run_loop::{CheckpointKeeping, LoopOutcome, RunLoop};
 use crate::run::stop_conditions::StopConditions;
 use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::terminal::Terminal;
@@ -22,7 +23,7 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::sweep::{self, RunPlaces};
 use tremie_channels::{ChannelMedium, InProcess, SharedMemory, memory};
-use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
+use tremie_messages::start::{Assignment, Reply, Request, Resume, Signal, Transport};
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
 
@@ -41,6 +42,10 @@ pub struct RunCall<'a> {
     pub terminal: &'a mut Terminal,
     /// Times that the user asked the run to end.
     pub interrupts: &'a AtomicUsize,
+    /// Folder from which the manifest's programs were found.
+    pub programs: &'a Path,
+    /// The checkpoint from which it goes on, with the outputs that are there.
+    pub from: Option<&'a WholeCheckpoint>,
 }
 
 /// A run that has ended. Observers that go on serving do so until this is dropped.
@@ -86,7 +91,10 @@ impl Prepared {
     }
 
     fn execute_between<S: ChannelMedium>(mut self, call: RunCall<'_>) -> Result<Ended, RunError> {
-        let RunCall { manifest, out, execution, terminal, interrupts } = call;
+        let RunCall { manifest, out, execution, terminal, interrupts, programs, from } = call;
+        if let Some(from) = from {
+            self.check_fit(from)?;
+        }
         // Also where the caller has checked: other programs may have taken memory meanwhile.
         self.fits(execution)?;
         let prefix = sweep::prefix_of(self.run);
@@ -96,17 +104,19 @@ impl Prepared {
         // Files first: a full disk should not cost a started run.
         let spec = &manifest.spec;
         let names = self.signal_names();
-        let (table, log, trace) = self.open_outputs(manifest, out, execution, &names)?;
+        let (table, log, trace) =
+            self.open_outputs(manifest, out, execution, (&names, from.is_some()))?;
+        let first = from.map_or(0, |from| from.record.window);
 
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
         let root = places.root();
         let poll = execution.poll.unwrap_or(POLL);
         let assignments =
-            self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
+            self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll, from);
         let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
-        if let Err(error) = self.assign(&assignments, manifest, interrupts) {
+        if let Err(error) = self.assign(&assignments, manifest, interrupts, from) {
             end_all(&mut self.peers, QUIT_GRACE);
             return Err(error);
         }
@@ -117,12 +127,21 @@ impl Prepared {
 
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
+        let checkpoints = CheckpointKeeping::new(
+            spec.run.checkpoints,
+            self.plan.can_be_kept(&self.descriptions),
+            self.checkpoint_record(programs),
+            manifest.resolved(),
+            out.path().to_path_buf(),
+            first,
+        );
+        let monitor = self.monitor(&physics, from.map(|from| from.record.window));
         let drive = RunLoop {
             control,
             descriptions: &self.descriptions,
             news: &self.news,
             early: std::mem::take(&mut self.early),
-            monitor: self.monitor(&physics),
+            monitor,
             peers: &mut self.peers,
             physics,
             threads: spec.components.iter().map(|c| c.threads_of(cores())).collect(),
@@ -138,8 +157,17 @@ impl Prepared {
             trace,
             terminal,
             interrupts,
+            checkpoints,
+            first,
+            wall_before: Duration::ZERO,
         };
-        let driven = drive.run();
+        let driven = match drive.run(from) {
+            Ok(driven) => driven,
+            Err(error) => {
+                end_all(&mut self.peers, QUIT_GRACE);
+                return Err(error.into());
+            }
+        };
         // Physics only: a viewer goes on serving until `Ended` is dropped.
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
         let mut summary = self.summarise(driven);
@@ -155,13 +183,18 @@ impl Prepared {
         manifest: &Manifest,
         out: &RunFolder,
         execution: &Execution,
-        names: &[(String, Signal)],
+        (names, goes_on): (&[(String, Signal)], bool),
     ) -> Result<(SignalTable, RunLog, Option<Trace>), OutputError> {
         let at = |name: &str| out.file(name);
         out.reserve(names.len())?;
-        let every = self.plan.signal_rows_every;
-        let table = SignalTable::create(&at(outputs::SIGNALS), self.plan.clock, every, names)?;
-        let log = RunLog::create(&at(outputs::LOG))?;
+        let (every, clock, table) =
+            (self.plan.signal_rows_every, self.plan.clock, at(outputs::SIGNALS));
+        let (table, log) = if goes_on {
+            out.forget_end()?;
+            (SignalTable::reopen(&table, clock, every, names)?, RunLog::reopen(&at(outputs::LOG))?)
+        } else {
+            (SignalTable::create(&table, clock, every, names)?, RunLog::create(&at(outputs::LOG))?)
+        };
         write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
         let trace = execution.trace.as_ref().map(|windows| {
             let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
@@ -171,14 +204,15 @@ impl Prepared {
         Ok((table, log, trace.transpose()?))
     }
 
-    /// Monitor of the physics, whose deadlines count from now on.
-    fn monitor(&self, physics: &[usize]) -> Monitor {
+    /// Monitor of the physics, whose deadlines count from now on; the windows up to `done` were made
+    /// before.
+    fn monitor(&self, physics: &[usize], done: Option<u64>) -> Monitor {
         let watched = physics.iter().map(|&index| WatchedComponent {
             name: self.peers[index].name.clone(),
             substeps: self.plan.components[index].substeps,
             signals: self.descriptions[index].signals.len(),
         });
-        Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now())
+        Monitor::new(self.run, self.plan.clock, watched.collect(), done, Instant::now())
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.
@@ -200,7 +234,13 @@ impl Prepared {
         in_process: bool,
         deadline: f64,
         poll: Duration,
+        from: Option<&WholeCheckpoint>,
     ) -> Vec<Assignment> {
+        let resume = from.map(|from| Resume {
+            window: from.record.window,
+            folder: from.folder().to_string_lossy().into_owned(),
+            same_outputs: true,
+        });
         let transport = |name: &str| Transport {
             between_processes: !in_process,
             root: root.to_string(),
@@ -211,7 +251,11 @@ impl Prepared {
             deadline,
             poll: poll.as_secs_f64(),
         };
-        self.plan.components.iter().map(|c| c.assignment(transport(&c.name))).collect()
+        self.plan
+            .components
+            .iter()
+            .map(|c| c.assignment(transport(&c.name), resume.clone()))
+            .collect()
     }
 
     /// Hands out the assignments, and waits until all components are ready.
@@ -220,6 +264,7 @@ impl Prepared {
         assignments: &[Assignment],
         manifest: &Manifest,
         interrupts: &AtomicUsize,
+        from: Option<&WholeCheckpoint>,
     ) -> Result<(), RunError> {
         for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
             peer.send(Request::Assignment(Box::new(assignment.clone())));
@@ -244,20 +289,23 @@ impl Prepared {
             other => Err(format!("it answered the assignment with {other:?}")),
         });
         // Refusals name keys of the manifest, which a user can mend: they go before other failures.
+        let hint = from.map_or(String::new(), WholeCheckpoint::hint);
         ready.map_err(|unanswered| match unanswered {
             Unanswered::Interrupted => RunError::Interrupted,
-            Unanswered::Failed(failed) if refused.is_empty() => self.not_ready(&failed),
+            Unanswered::Failed(failed) if refused.is_empty() => self.not_ready(&failed, &hint),
             Unanswered::Failed(_) => RunError::Input(refused),
         })
     }
 
-    fn not_ready(&self, failed: &[(usize, String)]) -> RunError {
+    fn not_ready(&self, failed: &[(usize, String)], hint: &str) -> RunError {
         let say = |(index, why): &(usize, String)| format!("{}: {why}", self.peers[*index].name);
-        RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n"))
+        let all = failed.iter().map(say).collect::<Vec<_>>().join("\n");
+        RunError::NotReady(all + hint)
     }
 
     fn summarise(&self, driven: LoopOutcome) -> Summary {
-        let LoopOutcome { ending, window, totals, turns, observers, wall, table, .. } = driven;
+        let LoopOutcome { ending, window, totals, turns, observers, wall, table, checkpoint } =
+            driven;
         let components = totals
             .into_iter()
             .map(|(index, totals)| {
@@ -280,6 +328,7 @@ impl Prepared {
                 .collect(),
             windows: window,
             planned_windows: self.plan.windows,
+            checkpoint,
             simulated_time: self.plan.clock.seconds(window * self.plan.clock.ticks_per_window),
             wall_time: wall.as_secs_f64(),
             turns,

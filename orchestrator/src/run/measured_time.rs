@@ -86,6 +86,8 @@ fn some_windows(
             execution: &execution,
             terminal: &mut terminal,
             interrupts: end,
+            programs: folder,
+            from: None,
         });
         drop(over);
         ended

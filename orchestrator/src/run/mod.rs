@@ -4,6 +4,7 @@
 //! run. [`Prepared::execute`] hands out the assignments and runs the windows ([`run_loop`]).
 
 mod ask_all;
+mod checkpointed;
 pub mod control;
 mod execute;
 pub mod handshake;
@@ -27,6 +28,7 @@ use tremie_channels::ChannelError;
 use tremie_channels::memory::NoMemory;
 use tremie_messages::Problem;
 use tremie_messages::start::Injection;
+use tremie_state::StateError;
 
 /// Longest time that a component which is done may take to close its channels and exit.
 pub(crate) const EXIT_GRACE: Duration = Duration::from_secs(2);
@@ -73,6 +75,17 @@ pub enum RunError {
     /// A component did not get ready.
     #[error("{0}")]
     NotReady(String),
+    /// The checkpoint does not fit the run that shall go on from it.
+    #[error("the run cannot go on from {checkpoint}: {}", why.join("; "))]
+    Unfit {
+        /// The checkpoint's folder.
+        checkpoint: String,
+        /// What differs.
+        why: Vec<String>,
+    },
+    /// The orchestrator's part of a checkpoint could not be put back.
+    #[error("the orchestrator's state cannot be put back: {0}")]
+    State(#[from] StateError),
     /// The user asked for the end before the first window.
     #[error("interrupted before the first window; no outputs are kept")]
     Interrupted,

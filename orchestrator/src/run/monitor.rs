@@ -62,8 +62,14 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Nothing has been reported yet.
-    pub fn new(run: u64, clock: Clock, watched: Vec<WatchedComponent>, now: Instant) -> Self {
+    /// Nothing has been reported yet; the windows up to `done` were, before the run goes on.
+    pub fn new(
+        run: u64,
+        clock: Clock,
+        watched: Vec<WatchedComponent>,
+        done: Option<u64>,
+        now: Instant,
+    ) -> Self {
         let offsets = watched
             .iter()
             .scan(0, |place, component| {
@@ -78,7 +84,7 @@ impl Monitor {
             clock,
             watched,
             offsets,
-            next: vec![0; count],
+            next: vec![done.map_or(0, |window| window + 1); count],
             totals: vec![ComponentTotals::default(); count],
             waiting: vec![None; count],
             heard: vec![now; count],
@@ -173,6 +179,11 @@ impl Monitor {
     /// Sums of the reports of each component.
     pub fn totals(&self) -> &[ComponentTotals] {
         &self.totals
+    }
+
+    /// The same, to be put back where a run goes on.
+    pub fn totals_mut(&mut self) -> &mut [ComponentTotals] {
+        &mut self.totals
     }
 
     /// Takes word from component `index` that it has looked for a peer's message in vain.
@@ -274,6 +285,7 @@ mod tests {
             7,
             clock,
             vec![watched("fluid", 1, 1), watched("grains", 3, 2)],
+            None,
             Instant::now(),
         )
     }

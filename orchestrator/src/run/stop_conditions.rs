@@ -1,7 +1,9 @@
 //! Stop conditions of a manifest, which end a run early.
 
 use crate::manifest::{Limit, StopCondition};
+use std::collections::BTreeMap;
 use tremie_messages::start::Signal;
+use tremie_state::{StateError, StateExchange};
 
 /// Watches the conditions as rows of signals come.
 #[derive(Debug)]
@@ -32,6 +34,20 @@ impl StopConditions {
         Self { conditions: conditions.iter().filter_map(watched).collect() }
     }
 
+    /// Keeps since when each condition has held, or puts it back. Conditions that are new hold from now on.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let told = self.conditions.iter().map(|watched| (watched.key(), watched.since));
+        let mut since: BTreeMap<String, Option<f64>> = told.collect();
+        state.value("since", &mut since)?;
+        for watched in &mut self.conditions {
+            watched.since = since.get(&watched.key()).copied().flatten();
+        }
+        Ok(())
+    }
+
     /// True if there are no conditions.
     pub fn is_idle(&self) -> bool {
         self.conditions.is_empty()
@@ -45,6 +61,11 @@ impl StopConditions {
 }
 
 impl WatchedSignal {
+    /// What tells the condition from others.
+    fn key(&self) -> String {
+        format!("{:?}", self.condition)
+    }
+
     fn look(&mut self, time: f64, values: &[f64]) -> Option<String> {
         let StopCondition { component, signal, limit, after, hold } = &self.condition;
         let value = values[self.place];

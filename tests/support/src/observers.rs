@@ -43,6 +43,7 @@ pub fn setup(component: &str, scene: Scene, clock: Clock, windows: u64, output: 
                 poll: 0.0,
             },
             injections: Vec::new(),
+            resume: None,
         }),
     }
 }

@@ -1,14 +1,15 @@
 //! Loads on the parts of a scene.
 
+use serde::{Deserialize, Serialize};
 use tremie_messages::scene::{Motion, Scene};
 use tremie_messages::{BodyEvent, Load};
 
 /// The loads on all parts, mean over a window.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PartLoads(Vec<PartLoad>);
 
 /// The load on a part that may move.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct PartLoad {
     is_fixed: bool,
     /// The body that a part is which moves.

@@ -14,6 +14,7 @@ use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
 /// The particle fluid behind the sdk's interface.
@@ -117,6 +118,7 @@ impl Fluid for PicComponent {
             limits: limits(),
             memory: resolution.memory_bytes,
             resolution: numbers,
+            state: Some(PicFluid::<3>::STATE_VERSION),
             ..Description::default()
         })
     }
@@ -165,6 +167,11 @@ impl Fluid for PicComponent {
             .map_err(SolverError::from_error)?;
         self.parts.note(loads);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        fluid!(self, fluid => fluid.exchange_state(state))?;
+        state.value("part_loads", &mut self.parts)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

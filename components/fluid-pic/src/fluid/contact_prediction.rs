@@ -6,8 +6,10 @@
 //! change of a body's velocity in a window, what its own load and the weight do not explain. A
 //! force that was there in the last two windows is taken to be there in the next; a blow is not.
 
+use serde::{Deserialize, Serialize};
+
 /// A body's motion and what the fluid knows of it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct LastingForce {
     /// Velocity when the window began [m/s].
     velocity: [f64; 3],

@@ -30,6 +30,7 @@ use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 use tremie_messages::scene::{Domain, ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_state::{KeepsState, StateError, StateExchange};
 use tremie_team::Team;
 
 /// A particle-in-cell fluid in a box, with moving bodies in it.
@@ -255,31 +256,47 @@ impl<const D: usize> PicFluid<D> {
     ) -> Result<(), FluidError> {
         self.bodies.clear();
         for (known, state) in self.registry.bodies.iter_mut().zip(states) {
-            let between = match &known.state {
-                Some(before) if !is_last => part_way(before, state, parts),
-                _ => *state,
-            };
-            let mut body = self.solids.body(known, &between)?;
             if is_last {
                 known.own.see(state.velocity, window);
                 known.state = Some(*state);
-                if self.contacts == ContactForces::Lasting {
-                    let lasting = self.section.along(known.own.acceleration());
-                    let mass = body.mass().unwrap_or(0.0);
-                    body.force = lasting.map(|acceleration| mass * acceleration);
-                }
-            } else {
-                body.freedom = Freedom::Prescribed;
+                self.bodies.push(self.solids.body_at_end(known, state, self.contacts)?);
+                continue;
             }
+            let between = known.state.map_or(*state, |before| part_way(&before, state, parts));
+            let mut body = self.solids.body(known, &between)?;
+            body.freedom = Freedom::Prescribed;
             self.bodies.push(body);
         }
         Ok(())
     }
 
-    fn find_loads(&mut self) -> Result<(), FluidError> {
+    /// Puts known bodies where the last window ended.
+    fn put_bodies_back(&mut self) -> Result<(), FluidError> {
+        let Self { registry, solids, bodies, contacts, .. } = self;
+        let events: Vec<BodyEvent> = registry.bodies.iter().map(|known| known.event).collect();
+        let states: Vec<BodyState> =
+            registry.bodies.iter().filter_map(|known| known.state).collect();
+        registry.check(&states)?;
+        // Of bodies that could not have been added, nothing can be relied on.
+        let mut added = BodyRegistry::<()>::default();
+        added.apply(&events)?;
+        added.check(&states)?;
+        bodies.clear();
+        for (known, state) in registry.bodies.iter().zip(&states) {
+            bodies.push(solids.body_at_end(known, state, *contacts)?);
+        }
+        Ok(())
+    }
+
+    /// Sets what holds at the faces of the domain where the step that begins now ends.
+    fn set_faces(&mut self) {
         let end = self.time + self.dt;
         self.solver.set_open_factors(self.faces.factors(end));
         self.solver.set_walls(self.faces.walls(end));
+    }
+
+    fn find_loads(&mut self) -> Result<(), FluidError> {
+        self.set_faces();
         let outcome = self.solver.find_loads(self.dt, &self.bodies, &mut self.loads);
         self.outcome = Some(outcome);
         if !outcome.residual.is_finite() {
@@ -428,6 +445,32 @@ impl<const D: usize> PicFluid<D> {
         }
         let velocity = self.section.vector_to_world(self.solver.velocity_in(at));
         (velocity, self.solver.pressure(at, self.dt), self.solver.fill(at), is_solid)
+    }
+}
+
+impl<const D: usize> KeepsState for PicFluid<D> {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("bodies", &mut self.registry.bodies)?;
+        state.list("loads", &mut self.loads)?;
+        state.value("time", &mut self.time)?;
+        state.value("first_volume", &mut self.first_volume)?;
+        state.value("outcome", &mut self.outcome)?;
+        if self.outcome.is_none() {
+            return state.unfit("a fluid that has not started has no state");
+        }
+        if state.restores() {
+            if let Err(error) = self.put_bodies_back() {
+                return state.unfit(error.to_string());
+            }
+            if self.loads.len() != self.bodies.len() {
+                return state.unfit("the state has other loads than bodies");
+            }
+            self.set_faces();
+        }
+        let Self { solver, bodies, .. } = self;
+        state.within("fluid", |state| solver.exchange(state, bodies))
     }
 }
 

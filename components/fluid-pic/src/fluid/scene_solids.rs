@@ -1,5 +1,6 @@
 //! The solids of a scene as the solver takes them: parts, planes, polyhedra, spheres.
 
+use crate::domain::parameters::ContactForces;
 use crate::fluid::contact_prediction::LastingForce;
 use crate::solids::half_spaces::HalfSpaces;
 use crate::solids::rigid_body::{BodyShape, Freedom, RigidBody};
@@ -228,6 +229,25 @@ impl<const D: usize> SceneSolids<D> {
             }
             _ => body,
         })
+    }
+
+    /// A body where a window ends and forces move it, of which `contacts` says what is expected.
+    ///
+    /// # Errors
+    /// Shapes that are not known.
+    pub fn body_at_end(
+        &self,
+        known: &KnownBody<LastingForce>,
+        state: &BodyState,
+        contacts: ContactForces,
+    ) -> Result<RigidBody<D>, BodyError> {
+        let mut body = self.body(known, state)?;
+        if contacts == ContactForces::Lasting {
+            let lasting = self.section.along(known.own.acceleration());
+            let mass = body.mass().unwrap_or(0.0);
+            body.force = lasting.map(|acceleration| mass * acceleration);
+        }
+        Ok(body)
     }
 
     /// Inverse inertia of a polyhedron in the world.

@@ -128,6 +128,12 @@ impl<const D: usize> StaggeredGrid<D> {
         at
     }
 
+    /// True if a place is that of a cell in the box, and no ghost.
+    pub fn is_inside(&self, place: usize) -> bool {
+        let at = self.cell_at(place);
+        (0..D).all(|a| (0..self.cells[a] as isize).contains(&at[a]))
+    }
+
     /// Centre of a cell [m].
     #[inline]
     pub fn centre(&self, at: [isize; D]) -> [f64; D] {

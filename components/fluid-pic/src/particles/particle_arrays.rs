@@ -1,5 +1,7 @@
 //! Particles in memory: an array for each component.
 
+use tremie_state::{StateError, StateExchange};
+
 /// How velocities travel between particles and grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transfer {
@@ -88,6 +90,29 @@ impl<const D: usize> ParticleArrays<D> {
         let arrays = self.position.iter_mut().chain(&mut self.velocity);
         let arrays = arrays.chain(self.gradient.iter_mut().flatten());
         arrays.for_each(|array| array.truncate(kept));
+    }
+
+    /// Keeps the particles, or puts them back.
+    ///
+    /// # Errors
+    /// Arrays of different lengths.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        for a in 0..D {
+            state.list(&format!("position{a}"), &mut self.position[a])?;
+            state.list(&format!("velocity{a}"), &mut self.velocity[a])?;
+            for b in 0..D {
+                state.list(&format!("gradient{a}{b}"), &mut self.gradient[a][b])?;
+            }
+        }
+        let count = self.len();
+        let mut vectors = self.position.iter().chain(&self.velocity);
+        let gradients = || self.gradient.iter().flatten();
+        if vectors.any(|along| along.len() != count)
+            || !(gradients().all(Vec::is_empty) || gradients().all(|along| along.len() == count))
+        {
+            return state.unfit("the state has particles without all of their numbers");
+        }
+        Ok(())
     }
 
     /// Momentum of all particles [kg m/s].

@@ -4,10 +4,11 @@ use crate::grid::row_sums::RowSums;
 use crate::pressure::body_coupling::BodyCoupling;
 use crate::pressure::multigrid::Multigrid;
 use crate::pressure::stencil::Stencil;
+use serde::{Deserialize, Serialize};
 use tremie_team::{Team, Variant};
 
 /// Outcome of a solution.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PressureOutcome {
     /// Steps of the iteration.
     pub iterations: usize,

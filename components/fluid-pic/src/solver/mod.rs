@@ -5,6 +5,7 @@ pub mod extrapolation;
 pub mod free_surface;
 pub mod gap_damping;
 pub mod held_faces;
+pub mod kept_state;
 pub mod loads;
 pub mod open_faces;
 pub mod pic_settings;

@@ -19,6 +19,7 @@ use crate::pressure::stencil::Stencil;
 use crate::solids::open_fractions::OpenFractions;
 use crate::solver::extrapolation::FaceState;
 use crate::solver::pic_settings::PicSettings;
+use tremie_state::{StateError, StateExchange};
 
 /// Times that a long wave crosses the box while the mean outflow of a face is found.
 const MEMORY: f64 = 10.0;
@@ -295,6 +296,30 @@ impl<const D: usize> OpenFaces<D> {
         }
     }
 
+    /// Marks faces with a velocity as the fluid's, as every step leaves them, near particles or not.
+    pub fn mark(&self, state: &mut [Vec<FaceState>; D]) {
+        for border in &self.borders {
+            if matches!(border.face.flow, FaceFlow::Velocity { .. }) {
+                for cell in border.cells.iter().filter(|cell| cell.below_level > 0.0) {
+                    state[border.face.axis][cell.face] = FaceState::Fluid;
+                }
+            }
+        }
+    }
+
+    /// Keeps what has passed and what the faces remember, or puts it back. Factors over time are not
+    /// kept.
+    ///
+    /// # Errors
+    /// A state of other faces.
+    pub fn keep(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("passed", &mut self.passed)?;
+        for (number, border) in self.borders.iter_mut().enumerate() {
+            state.within(&format!("face{number}"), |state| border.exchange(state))?;
+        }
+        Ok(())
+    }
+
     /// Removes the particles that passed, and lets others enter.
     pub fn exchange(
         &mut self,
@@ -351,6 +376,21 @@ impl<const D: usize> OpenBorder<D> {
         let per_q = 2.0 / (1.0 + 2.0 * k);
         let at_zero = (cell.tentative - 2.0 * q_face + 2.0 * k * self.mean) / (1.0 + 2.0 * k);
         Some(FaceResponse { at_zero, per_q })
+    }
+
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("mean", &mut self.mean)?;
+        state.column(
+            "entered",
+            &mut self.entries,
+            |entry| entry.entered,
+            |entry, entered| entry.entered = entered,
+        )?;
+        // Particles enter until it is negative.
+        if !self.entries.iter().all(|entry| entry.entered < 0.0) {
+            return state.unfit("the state has particles that should have entered at an open face");
+        }
+        Ok(())
     }
 
     /// Lets particles enter, and tells how many did.

@@ -88,9 +88,9 @@ pub struct PicSolver<const D: usize> {
     pub(super) q: Vec<f64>,
     multigrid: Multigrid<D>,
     iteration: ConjugateGradients,
-    correction: VolumeCorrection<D>,
-    separation: Separation,
-    gap_bands: GapBands<D>,
+    pub(super) correction: VolumeCorrection<D>,
+    pub(super) separation: Separation,
+    pub(super) gap_bands: GapBands<D>,
     slip_faces: SlipFaces<D>,
     /// Motions of the bodies at the end of the step.
     motions: Vec<Wrench>,
@@ -99,7 +99,7 @@ pub struct PicSolver<const D: usize> {
     /// True once `room` is found; it changes with the fractions alone.
     has_room: bool,
     /// The step whose pressure `q` is; 0 before the first [s].
-    last_step: f64,
+    pub(super) last_step: f64,
     /// Loads of pressure on the free bodies in the last step, by the bodies' numbers.
     pub(super) pressed: Vec<(u64, Wrench)>,
     /// Changes of the free bodies' motions that are expected.
@@ -275,6 +275,20 @@ impl<const D: usize> PicSolver<D> {
         }
         self.push_out(bodies, margin);
         self.pass_open_faces(dt, bodies);
+    }
+
+    /// Finds again what the first part of the last step ([`PicSolver::find_loads`]) left, as far as it
+    /// follows from particles and bodies: order, surface, fractions, and the equations but for their
+    /// right side. Velocities and pressure do not.
+    pub(super) fn resume(&mut self, bodies: &[RigidBody<D>]) {
+        let full = self.full_mass();
+        self.gather();
+        self.open_faces.mark(&mut self.state);
+        self.fractions.place_bodies(&self.grid, bodies, full);
+        self.find_surface();
+        self.hold_faces(bodies);
+        self.separation.let_go(&self.grid, &mut self.depth);
+        self.assemble(self.last_step, bodies);
     }
 
     /// Particles leave and enter through open faces.

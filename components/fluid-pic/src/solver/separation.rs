@@ -67,6 +67,12 @@ impl Separation {
         self.cells.len() > before
     }
 
+    /// Makes all of them air in depths that do not know of them.
+    pub fn let_go<const D: usize>(&self, grid: &StaggeredGrid<D>, depth: &mut [f64]) {
+        self.cells.iter().for_each(|&at| depth[at as usize] = LET_GO);
+        grid.ghosts.fill(depth);
+    }
+
     /// Makes the cells air again that were so in the last step, as far as they still are wet, and
     /// `gathers` says nothing else.
     pub fn keep(&mut self, depth: &mut [f64], gathers: impl Fn(usize) -> bool) {

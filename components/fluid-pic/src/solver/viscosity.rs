@@ -16,6 +16,7 @@ use crate::solids::rigid_body::RigidBody;
 use crate::solver::dragged_body::DraggedBody;
 use crate::solver::shear_equations::{ShearEquations, gather, solve};
 use crate::solver::wall_links::{ViscousStep, WallLink};
+use tremie_state::{StateError, StateExchange};
 use tremie_team::{Team, Variant};
 
 /// Forces of shear.
@@ -25,6 +26,17 @@ pub struct ShearLoads<const D: usize> {
     pub solids: Vec<Wrench>,
     /// On the walls of the box, lower and upper along each axis.
     pub walls: [[[f64; D]; 2]; D],
+}
+
+impl<const D: usize> ShearLoads<D> {
+    /// Keeps the forces of the last step, or puts them back.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.list("solids", &mut self.solids)?;
+        state.array("walls", self.walls.as_flattened_mut())
+    }
 }
 
 /// The viscous step, and room to work in.

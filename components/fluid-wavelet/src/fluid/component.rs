@@ -14,6 +14,7 @@ use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid, VolumeSpec};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
 /// The gas behind the sdk's interface.
@@ -112,6 +113,7 @@ impl Fluid for GasComponent {
             limits: limits(),
             memory: resolution.memory_bytes,
             resolution: numbers,
+            state: Some(GasFluid::STATE_VERSION),
             ..Description::default()
         })
     }
@@ -157,6 +159,11 @@ impl Fluid for GasComponent {
         self.fluid.advance(substeps, bodies, loads).map_err(SolverError::from_error)?;
         self.parts.note(loads);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        self.fluid.exchange_state(state)?;
+        state.value("part_loads", &mut self.parts)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

@@ -20,6 +20,7 @@ use tremie_sdk::messages::start::{Description, ProfileSpec, Signal};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsGrains, ControlPipe, Grains, Setup, SolverError};
 
 /// Soft spheres behind the sdk's interface.
@@ -61,6 +62,8 @@ impl Grains for SoftSpheres {
             warnings: warnings(&setup.hello.scene, &resolution),
             profiles: setup.hello.scene.profiles.iter().map(profile_spec).collect(),
             resolution: numbers(&resolution),
+            // Contacts with surfaces that deform are not kept yet.
+            state: setup.hello.scene.surfaces.is_empty().then_some(GrainsDem::STATE_VERSION),
             ..Description::default()
         })
     }
@@ -145,6 +148,10 @@ impl Grains for SoftSpheres {
     fn ports(&mut self, ports: &[PortState]) -> Result<(), SolverError> {
         let velocity = |port: &PortState| (port.axis as usize, port.side as usize, port.vector());
         self.grains.set_port_velocities(ports.iter().map(velocity)).map_err(SolverError::from_error)
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        self.grains.exchange_state(state)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

@@ -14,6 +14,7 @@ use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsGrains, ControlPipe, Grains, Setup, SolverError};
 
 /// Hard spheres behind the sdk's interface.
@@ -49,6 +50,7 @@ impl Grains for HardGrains {
             notes: notes(&resolution),
             findings: findings(scene, &resolution),
             warnings: warnings(scene),
+            state: Some(HardSpheres::STATE_VERSION),
             resolution: BTreeMap::from([
                 ("bodies".to_string(), resolution.bodies as f64),
                 ("solid fraction".to_string(), resolution.solid_fraction),
@@ -87,6 +89,10 @@ impl Grains for HardGrains {
 
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
         self.spheres.advance(substeps, loads).map_err(SolverError::from_error)
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        self.spheres.exchange_state(state)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

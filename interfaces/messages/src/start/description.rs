@@ -51,6 +51,10 @@ pub struct Description {
     /// Limits of its signals, judged when the run is over.
     #[serde(default)]
     pub limits: Vec<Limit>,
+    /// Version of the state that the component keeps at a checkpoint; `None` if it cannot be kept.
+    /// Another one whenever the content of its states changes.
+    #[serde(default)]
+    pub state: Option<u32>,
     /// Memory that the component expects to take [bytes]; 0 where it does not know.
     #[serde(default)]
     pub memory: u64,

@@ -51,6 +51,8 @@ pub enum FaultKind {
     Exit,
     /// The start contract was broken.
     Contract,
+    /// A state could not be put back: it is damaged, or another's.
+    State,
     /// An output could not be written, or not all of it: a full disk, for example.
     Output,
 }

@@ -12,12 +12,14 @@
 //!   {"assignment": {..}}       ->
 //!                              <-      {"ready": {..}}         or {"refusal": {..}}
 //!        windows run over shared memory: credit, reports, edges, frames
+//!                              <-      {"saved": {..}}         at a checkpoint, if it has a state
 //!                              <-      {"finished": {..}}      or {"fault": {..}}
 //!   {"quit": {}}               ->      (closes its channels and exits with code 0)
 //! ```
 //!
 //! End of input at any time means that the orchestrator is gone: the component ends at once.
 
+pub mod checkpoint;
 mod description;
 mod fault;
 mod frames;
@@ -100,6 +102,21 @@ pub enum Reply {
     Busy {},
     /// The wait of the last [`Reply::Waiting`] is over.
     Resumed {},
+    /// The component's state at the end of a checkpoint's window is written, and the disk has it.
+    Saved {
+        /// The window.
+        window: u64,
+        /// Length of the file [bytes].
+        bytes: u64,
+    },
+    /// The component's state at the end of a checkpoint's window could not be written. The
+    /// component goes on.
+    NotSaved {
+        /// The window.
+        window: u64,
+        /// Reason, a sentence.
+        why: String,
+    },
     /// The last window is done and every message sent.
     Finished {
         /// Last window that the component completed.
@@ -178,6 +195,20 @@ pub struct Assignment {
     pub transport: Transport,
     /// Faults to commit on purpose, for tests of a run's guards.
     pub injections: Vec<Injection>,
+    /// The checkpoint from which the run goes on, if it does not begin.
+    #[serde(default)]
+    pub resume: Option<Resume>,
+}
+
+/// A checkpoint from which a run goes on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Resume {
+    /// Window at whose end it was kept.
+    pub window: u64,
+    /// Its folder.
+    pub folder: String,
+    /// Observers go on with the files that they wrote, too; otherwise they begin anew.
+    pub same_outputs: bool,
 }
 
 /// Names of a run's shared memory, and limits of waits.

@@ -1,9 +1,10 @@
 //! Checks of `[run]`, `[outputs]` and `[[stop_when]]`.
 
-use super::super::document::{Document, OutputsTable, RunTable, StopTable};
+use super::super::document::{CheckpointTable, Document, OutputsTable, RunTable, StopTable};
 use super::super::path;
 use super::super::read::Findings;
-use super::super::spec::{Limit, Outputs, RunOptions, START_WITHIN, StopCondition};
+use super::super::spec::{Checkpoints, Limit, Outputs, RunOptions, START_WITHIN, StopCondition};
+use std::num::NonZeroU64;
 use tremie_messages::units::{LONGEST_WAIT, Time};
 use tremie_sdk::parameters::nearest;
 
@@ -13,13 +14,27 @@ pub(super) fn run(table: &RunTable, findings: &mut Findings) -> Option<RunOption
     // The resolved manifest leaves it open, as it does threads: it belongs to the machine.
     let start_within = table.start_within.or(Some(Time(START_WITHIN)));
     let start_within = wait(&start_within, "start_within", findings);
+    let checkpoints = checkpoints(table.checkpoints.as_ref(), findings);
     Some(RunOptions {
         until: until?,
         schedule: table.schedule?,
         deadline: deadline?,
         start_within: start_within?,
         seed: table.seed?,
+        checkpoints: checkpoints?,
     })
+}
+
+fn checkpoints(table: Option<&CheckpointTable>, findings: &mut Findings) -> Option<Checkpoints> {
+    let usual = Checkpoints::default();
+    let Some(table) = table else { return Some(usual) };
+    let given = table.every.map(|_| findings.positive(&table.every, "run.checkpoints", "every"));
+    let windows = table.windows.map(NonZeroU64::get);
+    let every = match given {
+        Some(time) => Some(time?),
+        None => usual.every.filter(|_| windows.is_none()),
+    };
+    Some(Checkpoints { every, windows, keep: table.keep.unwrap_or(usual.keep) })
 }
 
 /// A wait of wall time: above zero, and short enough to be one.

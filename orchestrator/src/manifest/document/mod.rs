@@ -44,7 +44,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-use std::num::NonZeroU32;
+use std::num::{NonZeroU32, NonZeroU64};
 use tremie_messages::Role;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::units::Time;
@@ -84,6 +84,22 @@ pub(super) struct RunTable {
     pub start_within: Option<Time>,
     /// Seed of everything random (default: 1).
     pub seed: Option<u64>,
+    /// Checkpoints, from which `tremie resume` goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoints: Option<CheckpointTable>,
+}
+
+/// Checkpoints of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct CheckpointTable {
+    /// Wall time from one to the next (default: 15 min, unless there is a number of windows).
+    pub every: Option<Time>,
+    /// Windows from one to the next; what comes first counts.
+    pub windows: Option<NonZeroU64>,
+    /// Number of checkpoints that are kept; older ones are removed. With 0 there are none
+    /// (default: 2).
+    pub keep: Option<u32>,
 }
 
 /// A component in full.

@@ -101,7 +101,7 @@ pub fn wire(schedule: Schedule, components: &[(&str, Role)]) -> Wiring {
 
 /// A component without peers: it looks at the start, and advances.
 fn alone() -> Script {
-    Script { start: vec![Op::Advance], window: vec![Op::Advance] }
+    Script { start: vec![Op::Advance], window: vec![Op::Advance], resume: Vec::new() }
 }
 
 // Places of the first three edges in the lists of grains and fluid.
@@ -142,7 +142,7 @@ fn immerse(wiring: &mut Wiring, schedule: Schedule, rubber: usize, fluid: usize,
     let [told, taken] = wiring.link(link(fluid, rubber, Content::SurfaceLoad, lag));
     let tell = [Op::Advance, Op::Send { edge: sent }];
     let window = [&[Op::Receive { edge: taken, lag: 1 }][..], &tell].concat();
-    wiring.members[rubber].script = Script { start: tell.to_vec(), window };
+    wiring.members[rubber].script = Script { start: tell.to_vec(), window, resume: Vec::new() };
     // In the start exchange grains send where the carriers are, which the rubber needs first.
     wiring.members[grains].script.start.insert(0, Op::Advance);
     let hear = [EVENTS, STATE, heard].map(|edge| Op::Receive { edge, lag: 0 });
@@ -169,6 +169,27 @@ impl Wiring {
             _ => None,
         });
         self
+    }
+
+    /// What a member sends again where a run goes on from a checkpoint: of the checkpoint's window, the
+    /// messages that their receivers take in the next. [`check`] proves that no message is under way for
+    /// longer.
+    pub fn resume(&self, member: usize) -> Vec<Op> {
+        let is_under_way = |op: &&Op| match op {
+            Op::Send { edge } => self.lag_of(self.members[member].links[*edge]) > 0,
+            _ => false,
+        };
+        self.members[member].script.window.iter().filter(is_under_way).copied().collect()
+    }
+
+    /// Windows between the sending of an edge's message and its receipt.
+    fn lag_of(&self, link: usize) -> u64 {
+        let receiver = &self.members[self.links[link].to];
+        let of_link = |op: &Op| match *op {
+            Op::Receive { edge, lag } if receiver.links[edge] == link => Some(lag),
+            _ => None,
+        };
+        receiver.script.window.iter().find_map(of_link).unwrap_or(0)
     }
 
     /// Adds an edge; returns its places in the lists of sender and receiver.
@@ -208,7 +229,7 @@ fn grains_script() -> Script {
     let tell = [Op::Send { edge: EVENTS }, Op::Send { edge: STATE }];
     let mut window = vec![Op::Receive { edge: LOAD, lag: 1 }, Op::Advance];
     window.extend(tell);
-    Script { start: tell.to_vec(), window }
+    Script { start: tell.to_vec(), window, resume: Vec::new() }
 }
 
 fn fluid_script(schedule: Schedule, hear: &[Op], work: &[Op]) -> Script {
@@ -218,5 +239,5 @@ fn fluid_script(schedule: Schedule, hear: &[Op], work: &[Op]) -> Script {
         // The fluid advances with the bodies of the window's start, then takes those of its end.
         Schedule::Parallel => [work, hear].concat(),
     };
-    Script { start: serial, window }
+    Script { start: serial, window, resume: Vec::new() }
 }

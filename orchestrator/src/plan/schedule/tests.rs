@@ -163,19 +163,45 @@ fn scripts_are_those_of_the_protocol() {
     let receive = |edge, lag| Op::Receive { edge, lag };
     let send = |edge| Op::Send { edge };
     let hear = vec![receive(EVENTS, 0), receive(STATE, 0), Op::Advance, send(LOAD)];
-    assert_eq!(wiring.members[FLUID].script, Script { start: hear.clone(), window: hear.clone() });
+    assert_eq!(
+        wiring.members[FLUID].script,
+        Script { start: hear.clone(), window: hear.clone(), ..Script::default() }
+    );
     let grains = Script {
         start: vec![send(EVENTS), send(STATE)],
         window: vec![receive(LOAD, 1), Op::Advance, send(EVENTS), send(STATE)],
+        ..Script::default()
     };
     assert_eq!(wiring.members[GRAINS].script, grains);
     assert!(wiring.links.iter().all(|link| link.events_lag == 0));
 
     let wiring = wire(Schedule::Parallel, &BOTH);
     let window = vec![Op::Advance, send(LOAD), receive(EVENTS, 0), receive(STATE, 0)];
-    assert_eq!(wiring.members[FLUID].script, Script { start: hear, window });
+    assert_eq!(wiring.members[FLUID].script, Script { start: hear, window, ..Script::default() });
     assert_eq!(wiring.members[GRAINS].script, grains);
     assert_eq!(wiring.links[LOAD].events_lag, 1);
+}
+
+#[test]
+fn a_run_that_goes_on_has_the_messages_of_the_next_window_under_way() {
+    for schedule in SCHEDULES {
+        for members in [&BOTH[..], &TRIO] {
+            let wiring = wire(schedule, members).with_ports();
+            for (member, of) in wiring.members.iter().enumerate() {
+                let content = |op: &Op| match op {
+                    Op::Send { edge } => wiring.links[of.links[*edge]].content,
+                    other => panic!("{other:?}"),
+                };
+                let sent: Vec<_> = wiring.resume(member).iter().map(content).collect();
+                let expected = match (member == FLUID, members.len()) {
+                    (true, 2) => vec![Content::Ports, Content::Load],
+                    (true, _) => vec![Content::Ports, Content::Load, Content::SurfaceLoad],
+                    (false, _) => Vec::new(),
+                };
+                assert_eq!(sent, expected, "{schedule:?}, {}", of.name);
+            }
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::interrupts::count_interrupts;
 use super::{refuse, refuse_text};
 use crate::manifest::{self, Manifest};
 use crate::outputs::JudgedFinding;
-use crate::outputs::{Ending, RunFolder, Summary};
+use crate::outputs::{Ending, OutputError, RunFolder, Summary, WholeCheckpoint};
 use crate::preflight;
 use crate::program::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::registry::LOGS_SHOWN;
@@ -76,57 +76,96 @@ fn run_checked(
     arguments: &RunArgs,
     terminal: &mut Terminal,
 ) -> Result<ExitCode, RunError> {
-    // Before the run needs shared memory: killed runs may hold most of it.
-    if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
-        terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
-    }
-    if arguments.in_process && !arguments.manifest.quiet {
-        show_logs_of_threads();
-    }
-    let interrupts = count_interrupts().map_err(RunError::Signals)?;
-    let folder = folder_of(&arguments.manifest.manifest);
     let execution = Execution {
         in_process: arguments.in_process,
         inject: arguments.inject.clone(),
         trace: arguments.trace.clone(),
         ..Execution::default()
     };
-    let mut out = RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)?;
-    let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
+    let folder = folder_of(&arguments.manifest.manifest);
+    let show = Shown { view: &arguments.view, is_quiet: arguments.manifest.quiet };
+    carry_out(manifest, &folder, &execution, None, show, terminal, || {
+        RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)
+    })
+}
+
+/// What the user sees of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    pub view: &'a View,
+    pub is_quiet: bool,
+}
+
+/// Carries out a run from its begin, or `from` a checkpoint on, with its outputs in the folder that
+/// `claim` gives. Programs are looked for in `folder` first.
+pub(super) fn carry_out(
+    manifest: &Manifest,
+    folder: &Path,
+    execution: &Execution,
+    from: Option<&WholeCheckpoint>,
+    shown: Shown<'_>,
+    terminal: &mut Terminal,
+    claim: impl FnOnce() -> Result<RunFolder, OutputError>,
+) -> Result<ExitCode, RunError> {
+    // Before the run needs shared memory: killed runs may hold most of it.
+    if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
+        terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
+    }
+    if execution.in_process && !shown.is_quiet {
+        show_logs_of_threads();
+    }
+    let interrupts = count_interrupts().map_err(RunError::Signals)?;
+    let mut out = claim()?;
+    let prepared = prepare(manifest, folder, out.path(), execution, &interrupts)?;
     // Before the plan is shown: a machine that is too small ends the run here.
-    if let Err(error) = prepared.fits(&execution) {
+    if let Err(error) = prepared.fits(execution) {
         prepared.dismiss();
         return Err(error);
     }
     show_plan(manifest, &prepared, terminal);
     // Findings beyond these come from the run's signals, and are shown at its end.
     let known = prepared.findings.len();
-    terminal.say(&format!("outputs in {}", out.path().display()));
+    terminal.say(&match from {
+        None => format!("outputs in {}", out.path().display()),
+        Some(from) => format!(
+            "goes on from window {}, {:.6} s; outputs in {}",
+            from.record.window,
+            from.record.time,
+            out.path().display()
+        ),
+    });
     let executed = prepared.execute(RunCall {
         manifest,
         out: &mut out,
-        execution: &execution,
+        execution,
         terminal,
         interrupts: &interrupts,
+        programs: folder,
+        from,
     });
     // An error, unlike a fault, means that no window was made: its files are of no use.
-    if executed.is_err() {
+    if executed.is_err() && from.is_none() {
         out.clear();
     }
     let mut ended = executed?;
-    for (name, note) in ended.summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
-        terminal.say(&format!("{name}: {note}"));
-    }
-    let after = ended.summary.findings.get(known..).unwrap_or_default();
-    for verdict in [Verdict::Doubtful, Verdict::Wrong] {
-        preflight::sentences(after, verdict).iter().for_each(|text| terminal.point_out(text));
-    }
-    terminal.end(&last_line(&ended.summary, out.path()), details(&ended.summary));
-    if arguments.view == View::Web {
+    tell_end(&ended.summary, known, out.path(), terminal);
+    if *shown.view == View::Web {
         linger(&mut ended, terminal, &interrupts);
     }
     let summary = ended.close();
     Ok(ExitCode::from(summary.ending.exit_code()))
+}
+
+/// Tells what the observers wrote, findings beyond the `known` ones, and how the run ended.
+fn tell_end(summary: &Summary, known: usize, out: &Path, terminal: &mut Terminal) {
+    for (name, note) in summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
+        terminal.say(&format!("{name}: {note}"));
+    }
+    let after = summary.findings.get(known..).unwrap_or_default();
+    for verdict in [Verdict::Doubtful, Verdict::Wrong] {
+        preflight::sentences(after, verdict).iter().for_each(|text| terminal.point_out(text));
+    }
+    terminal.end(&last_line(summary, out), details(summary));
 }
 
 /// Lets the viewer serve the run until the user has seen enough, or the viewer is gone.
@@ -163,7 +202,7 @@ pub(super) fn folder_of(manifest: &Path) -> PathBuf {
 }
 
 /// Adds the recorder, the fields and the viewer that the user asked for.
-fn add_observers(manifest: &mut Manifest, view: &View) {
+pub(super) fn add_observers(manifest: &mut Manifest, view: &View) {
     if manifest.spec.outputs.record {
         manifest.spec.add_observer("recorder");
     }
@@ -250,17 +289,24 @@ fn details(summary: &Summary) -> Value {
     serde_json::to_value(summary).unwrap_or(Value::Null)
 }
 
-/// Last line of a run: its ending, its windows and times, its folder.
+/// Last line of a run: its ending, its windows and times, its folder, and how to go on with it.
 fn last_line(summary: &Summary, out: &Path) -> String {
     let Summary { windows, planned_windows, simulated_time, wall_time, .. } = summary;
     let went = format!(
         "{windows} of {planned_windows} windows, {simulated_time:.6} s simulated in {wall_time:.1} s; outputs in {}",
         out.display()
     );
+    // Text that a shell takes as one word.
+    let name = out.display().to_string();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
+    let name = if name.chars().all(is_plain) { name } else { format!("{name:?}") };
+    let resume = summary.checkpoint.map_or(String::new(), |window| {
+        format!("\n`tremie resume {name}` goes on from window {window}")
+    });
     match &summary.ending {
         Ending::Completed => format!("completed: {went}"),
         Ending::Stopped { reason } => format!("stopped: {reason}; {went}"),
-        Ending::Interrupted => format!("interrupted: {went}"),
-        Ending::Failed { fault } => format!("outputs up to {went}\nfailed: {fault}"),
+        Ending::Interrupted => format!("interrupted: {went}{resume}"),
+        Ending::Failed { fault } => format!("outputs up to {went}\nfailed: {fault}{resume}"),
     }
 }

@@ -3,6 +3,7 @@
 
 use super::ends::STOP_AHEAD;
 use super::{EndReason, LoopState, RunLoop};
+use crate::outputs::Ending;
 use std::time::Instant;
 use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
@@ -16,18 +17,25 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         if state.last.is_some() {
             return Ok(());
         }
+        if state.not_watching.is_empty()
+            && let Some((last, reason)) = state.resumed_end.take()
+        {
+            return self.ask_to_finish(state, last, Ending::Stopped { reason });
+        }
+        self.look_after_checkpoints(state, now)?;
         let done = self.monitor.common_window().map_or(0, |window| window + 1);
         state.pace.note(done, now);
         // A condition ends the run STOP_AHEAD windows later. Credit stays below that window: a
         // component that advances through it must know that it is the last.
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
         if !state.not_watching.is_empty() {
-            // Only the start exchange, until lossless observers have taken their first frames.
-            return self.grant_through(state, 0);
+            // Only the start exchange, or what stands for it where the run goes on, until lossless observers have taken their first frames.
+            return self.grant_through(state, self.first);
         }
         // Never less than 4 windows: physics must not wait for the next look.
         let ahead = ((state.pace.rate() * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
-        self.grant_through(state, (done + ahead).min(self.windows))
+        let most = self.windows.min(self.last_before_checkpoint(state));
+        self.grant_through(state, (done + ahead).min(most))
     }
 
     fn grant_through(&mut self, state: &mut LoopState, grant: u64) -> Result<(), EndReason> {

@@ -20,10 +20,22 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         match (asked, state.last) {
             (0, _) => Ok(()),
             (1, None) => {
+                if before == 0 {
+                    self.terminal
+                        .say("ending in order, with whole outputs; once more to end at once");
+                }
+                if self.checkpoints.under_way.is_some() && state.not_watching.is_empty() {
+                    // Its window must be reached, and the next checkpoint is that of the end.
+                    return Ok(());
+                }
                 self.note(LogLevel::Info, ORCHESTRATOR, "the user asked for the end")?;
-                self.terminal.say("ending in order, with whole outputs; once more to end at once");
                 // Not earlier: some components may have advanced through all that was granted.
-                let last = state.granted.unwrap_or(0);
+                let mut last = state.granted.unwrap_or(self.first);
+                if last > self.first && self.can_begin_checkpoint(state) {
+                    self.begin_checkpoint(state, last + 1)?;
+                    // A window after it: a run that goes on makes no end where this one does.
+                    last += 2;
+                }
                 self.ask_to_finish(state, last, Ending::Interrupted)
             }
             (1, Some(last)) => {

@@ -15,7 +15,16 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         // With inlets the descriptions give room for bodies, not their number.
         let room = if self.changing_bodies().is_some() { "room for " } else { "" };
         let text = format!("{windows} windows of {window:.4e} s begin, with {room}{bodies} bodies");
-        self.note_at(0, LogLevel::Info, ORCHESTRATOR, &text)?;
+        if self.first == 0 {
+            self.note_at(0, LogLevel::Info, ORCHESTRATOR, &text)?;
+        } else {
+            // Into the file only: the recording shall be that of a run that was never interrupted.
+            let first = self.first;
+            let text =
+                format!("the run goes on from its checkpoint of window {first} of {windows}");
+            let time = self.clock.seconds(first * self.clock.ticks_per_window);
+            self.log.write(LogLevel::Info, ORCHESTRATOR, first, time, &text)?;
+        }
         for (index, text) in std::mem::take(&mut self.early).into_lines() {
             self.write_log(state, index, &text)?;
         }

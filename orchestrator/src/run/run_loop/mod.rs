@@ -1,5 +1,6 @@
 //! The loop of windows: reports and rows come in, guards watch, and everything ends in order.
 
+mod checkpoints;
 mod component_events;
 mod credit;
 mod end_reason;
@@ -10,8 +11,8 @@ mod pace;
 mod progress;
 mod windows;
 
-use crate::outputs::ComponentTotals;
 use crate::outputs::ScheduleTiming;
+use crate::outputs::{ComponentTotals, WholeCheckpoint};
 use crate::outputs::{Ending, RunLog, SignalTable, Trace};
 use crate::run::control::Control;
 use crate::run::launch::{Peer, PeerEvent};
@@ -19,6 +20,8 @@ use crate::run::monitor::Monitor;
 use crate::run::startup_log::EarlyLog;
 use crate::run::stop_conditions::StopConditions;
 use crate::terminal::Terminal;
+use checkpoints::OwnPart;
+pub use checkpoints::{CheckpointKeeping, component_record};
 use end_reason::EndReason;
 use pace::Pace;
 use std::collections::BTreeMap;
@@ -28,6 +31,7 @@ use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Clock, Description, Fault};
+use tremie_state::StateError;
 
 /// Parts of a run in progress.
 pub struct RunLoop<'a, S: ChannelMedium> {
@@ -71,6 +75,12 @@ pub struct RunLoop<'a, S: ChannelMedium> {
     pub terminal: &'a mut Terminal,
     /// Number of the user's interrupts.
     pub interrupts: &'a AtomicUsize,
+    /// Checkpoints.
+    pub checkpoints: CheckpointKeeping,
+    /// Window from whose end the run goes on; 0 if it begins.
+    pub first: u64,
+    /// Wall time of the windows before.
+    pub wall_before: Duration,
 }
 
 /// Result of the loop of windows.
@@ -89,6 +99,8 @@ pub struct LoopOutcome {
     pub wall: Duration,
     /// The table of signals, closed.
     pub table: SignalTable,
+    /// Window of the newest checkpoint.
+    pub checkpoint: Option<u64>,
 }
 
 /// State of the loop.
@@ -98,6 +110,8 @@ struct LoopState {
     /// Last window of the run, once the end was asked for early.
     last: Option<u64>,
     reason: Option<Ending>,
+    /// The end that a condition had set before the checkpoint from which the run goes on.
+    resumed_end: Option<(u64, String)>,
     /// Number of the user's interrupts at the last look.
     asked: usize,
     /// Time at which the start exchange was first seen over.
@@ -127,6 +141,7 @@ impl LoopState {
             granted: None,
             last: None,
             reason: None,
+            resumed_end: None,
             asked: 0,
             begun: None,
             finished: vec![false; peers],
@@ -144,10 +159,18 @@ impl LoopState {
 
 impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Runs the windows to the end of the run, and closes its outputs.
-    pub fn run(mut self) -> LoopOutcome {
+    ///
+    /// # Errors
+    /// Where it goes on from a checkpoint, if the orchestrator's part of that cannot be put back.
+    pub fn run(mut self, from: Option<&WholeCheckpoint>) -> Result<LoopOutcome, StateError> {
         let mut state = LoopState::begin(self.peers.len(), &self.lossless);
+        if let Some(from) = from {
+            let mut own = OwnPart::default();
+            from.put_back(|told| self.exchange_own_part(&mut own, told))?;
+            (state.resumed_end, self.wall_before) = (own.end, own.wall);
+        }
         let went = self.write_startup_log(&mut state).and_then(|()| self.run_windows(&mut state));
-        let wall = state.begin.elapsed();
+        let wall = self.wall_before + state.begin.elapsed();
         let mut ending = self.conclude(&mut state, went.err());
         // Rows that were complete when the end came belong to the record.
         let _ = self.take_reports();
@@ -169,7 +192,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         let turns = self.turns(window);
         let totals =
             self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
-        LoopOutcome {
+        Ok(LoopOutcome {
             ending,
             window,
             totals,
@@ -177,6 +200,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             observers: state.notes,
             wall,
             table: self.table,
-        }
+            checkpoint: self.checkpoints.newest,
+        })
     }
 }

@@ -33,6 +33,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         self.peers[index].end(Duration::from_millis(100));
         // Its channels would stay full, and senders of lossless frames would wait for it.
         self.control.clean_after_dead();
+        self.forget_in_checkpoints(index)?;
         self.note(LogLevel::Warning, &name, &text)
     }
 

@@ -65,7 +65,9 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 self.note_at(*window, LogLevel::Info, ORCHESTRATOR, &text)?;
                 self.ask_to_finish(state, last, Ending::Stopped { reason })?;
             }
+            let window = row.window;
             self.table.take(row)?;
+            self.keep_own_part(state, window)?;
         }
         Ok(())
     }

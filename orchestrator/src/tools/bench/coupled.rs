@@ -71,6 +71,8 @@ fn idle_run(bodies: usize, windows: u64, poll: Option<Duration>) -> Result<Summa
         execution: &execution,
         terminal: &mut terminal,
         interrupts: &nobody,
+        programs: path,
+        from: None,
     });
     let summary = ended.map_err(|error| text(&error))?.close();
     match summary.ending {

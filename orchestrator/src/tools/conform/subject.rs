@@ -159,6 +159,8 @@ impl Subject {
                     execution: &execution,
                     terminal: &mut terminal,
                     interrupts: &nobody,
+                    programs: folder,
+                    from: None,
                 })
             })
             .map_err(text)?;

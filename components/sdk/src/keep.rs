@@ -1,0 +1,110 @@
+//! Keeping the states of a component for checkpoints, and putting one back.
+//!
+//! A component stands still only while its state is copied in memory. A thread then writes the copy
+//! and tells the orchestrator when the disk has it.
+
+use crate::line::Replier;
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+use tremie_messages::start::{Description, Hello, Reply, Resume, checkpoint};
+use tremie_state::{SavedState, StateArchive, StateError, StateExchange, StateHeader};
+
+/// Keeps the states of one component.
+pub struct StateKeeper {
+    component: String,
+    /// Name of the program, without its version.
+    program: String,
+    /// Folder of the run's outputs.
+    output: PathBuf,
+    version: Option<u32>,
+    writer: Option<JoinHandle<()>>,
+}
+
+impl StateKeeper {
+    /// Keeper of a component that has described itself.
+    pub fn new(hello: &Hello, description: &Description) -> Self {
+        Self {
+            component: hello.component.clone(),
+            program: name_of(&description.program).to_string(),
+            output: PathBuf::from(&hello.output),
+            version: description.state,
+            writer: None,
+        }
+    }
+
+    /// True if the component has a state.
+    pub fn has_state(&self) -> bool {
+        self.version.is_some()
+    }
+
+    /// Copies the state that `tell` names, and begins to write it for the checkpoint of `window`. A
+    /// state that cannot be kept is told, too.
+    pub fn keep(
+        &mut self,
+        window: u64,
+        replier: Replier,
+        tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
+    ) {
+        let Some(version) = self.version else { return };
+        // The last one is written long since: the orchestrator asks for one at a time.
+        self.wait();
+        let state = match SavedState::told(tell) {
+            Ok(state) => state,
+            Err(error) => return tell_kept(&replier, window, Err(error)),
+        };
+        let (component, program) = (self.component.clone(), self.program.clone());
+        let header = StateHeader { component, program, version, window };
+        let folder = checkpoint::unfinished(&self.output, window);
+        let path = checkpoint::state_file(&folder, &self.component);
+        let write = move || tell_kept(&replier, window, state.write(&path, &header));
+        self.writer = Some(std::thread::spawn(write));
+    }
+
+    /// Waits until the disk has the last state.
+    pub fn wait(&mut self) {
+        // A panic there was told by the thread's own message; the checkpoint stays unfinished.
+        let _ = self.writer.take().map(JoinHandle::join);
+    }
+
+    /// Puts the state of a checkpoint back where `tell` names it.
+    ///
+    /// # Errors
+    /// No such file, a damaged one, or another's.
+    pub fn put_back(
+        &self,
+        resume: &Resume,
+        tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
+    ) -> Result<(), StateError> {
+        let path = checkpoint::state_file(Path::new(&resume.folder), &self.component);
+        let Some(version) = self.version else {
+            return Err(StateError::Unfit(format!("{} keeps no state", self.program)));
+        };
+        let mut archive = StateArchive::open(&path)?;
+        if archive.header().window != resume.window {
+            let found = archive.header().window;
+            let text = format!("it is the state at the end of window {found}");
+            return Err(StateError::Damaged { name: path.display().to_string(), why: text });
+        }
+        archive.put_back(&self.program, version, tell)
+    }
+}
+
+impl Drop for StateKeeper {
+    fn drop(&mut self) {
+        self.wait();
+    }
+}
+
+/// The name of a program, which has its version after it.
+fn name_of(program: &str) -> &str {
+    program.split_whitespace().next().unwrap_or(program)
+}
+
+fn tell_kept(replier: &Replier, window: u64, kept: Result<u64, StateError>) {
+    let reply = match kept {
+        Ok(bytes) => Reply::Saved { window, bytes },
+        Err(error) => Reply::NotSaved { window, why: error.to_string() },
+    };
+    // A closed line ends the component elsewhere.
+    let _ = replier.reply(&reply);
+}

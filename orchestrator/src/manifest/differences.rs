@@ -1,0 +1,34 @@
+//! Keys in which two manifests differ.
+
+use super::{Manifest, path};
+use serde_json::Value;
+
+/// Keys whose values differ between two manifests as they were understood, defaults filled in. Of a table
+/// that only one has, its own key.
+pub fn differences(one: &Manifest, other: &Manifest) -> Vec<String> {
+    // Plain tables, strings and finite numbers: JSON has a form for each of them.
+    let tree = |manifest: &Manifest| serde_json::to_value(&manifest.document).unwrap_or_default();
+    let mut found = Vec::new();
+    compare("", &tree(one), &tree(other), &mut found);
+    found
+}
+
+fn compare(at: &str, one: &Value, other: &Value, found: &mut Vec<String>) {
+    match (one, other) {
+        _ if one == other => {}
+        (Value::Object(one), Value::Object(other)) => {
+            let more = other.keys().filter(|key| !one.contains_key(*key));
+            for key in one.keys().chain(more) {
+                let null = &Value::Null;
+                let (a, b) = (one.get(key).unwrap_or(null), other.get(key).unwrap_or(null));
+                compare(&path::join(at, key), a, b, found);
+            }
+        }
+        (Value::Array(one), Value::Array(other)) if one.len() == other.len() => {
+            for (place, (a, b)) in one.iter().zip(other).enumerate() {
+                compare(&path::item(at, place), a, b, found);
+            }
+        }
+        _ => found.push(at.to_string()),
+    }
+}

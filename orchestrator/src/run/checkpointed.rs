@@ -1,0 +1,85 @@
+//! What checkpoints of a run are of, and whether one fits a run that shall go on from it.
+
+use crate::outputs::{CheckpointRecord, WholeCheckpoint};
+use crate::run::run_loop::component_record;
+use crate::run::{Prepared, RunError};
+use std::path::Path;
+use tremie_messages::{INTERFACE_VERSION, Role};
+
+/// Kind of processor and system: states are arrays as they lie in memory, and bits of results are
+/// promised on one kind only.
+fn machine() -> String {
+    format!("{} {}", std::env::consts::ARCH, std::env::consts::OS)
+}
+
+/// The name of a program, which has its version after it.
+fn name_of(program: &str) -> &str {
+    program.split_whitespace().next().unwrap_or(program)
+}
+
+impl Prepared {
+    /// What checkpoints of the run are of; window and time are those of none.
+    pub(super) fn checkpoint_record(&self, programs: &Path) -> CheckpointRecord {
+        let described = self.plan.components.iter().zip(&self.descriptions);
+        let components = described.filter_map(|(component, description)| {
+            let record =
+                component_record(&description.program, description.state?, component.substeps);
+            Some((component.name.clone(), record))
+        });
+        CheckpointRecord {
+            tremie: env!("CARGO_PKG_VERSION").into(),
+            interface: INTERFACE_VERSION,
+            machine: machine(),
+            window: 0,
+            time: 0.0,
+            clock: self.plan.clock,
+            programs: std::path::absolute(programs).unwrap_or_else(|_| programs.to_path_buf()),
+            components: components.collect(),
+        }
+    }
+
+    /// Checks that a run of this plan can go on from a checkpoint.
+    ///
+    /// # Errors
+    /// Everything that differs.
+    pub(super) fn check_fit(&self, from: &WholeCheckpoint) -> Result<(), RunError> {
+        let record = &from.record;
+        let mut why = Vec::new();
+        let mut compare = |what: &str, kept: String, now: String| {
+            if kept != now {
+                why.push(format!("{what}: it was made with {kept}, this run has {now}"));
+            }
+        };
+        compare("machine", record.machine.clone(), machine());
+        let window = |window: f64| format!("windows of {window:e} s");
+        compare("time step", window(record.clock.window()), window(self.plan.clock.window()));
+        for (component, description) in self.plan.components.iter().zip(&self.descriptions) {
+            let (name, program) = (&component.name, name_of(&description.program));
+            let kept = record.components.get(name);
+            let say = |program: &str, state: Option<u32>| match state {
+                Some(state) => format!("{program}, state version {state}"),
+                None => format!("{program}, which keeps no state"),
+            };
+            let now = say(program, description.state);
+            match kept {
+                None if component.role == Role::Observer => {}
+                None => compare(name, "no such component".into(), now),
+                Some(kept) => {
+                    compare(name, say(name_of(&kept.program), Some(kept.state)), now);
+                    let steps = |substeps: u32| format!("{substeps} steps in a window");
+                    compare(name, steps(kept.substeps), steps(component.substeps));
+                }
+            }
+        }
+        if record.window >= self.plan.windows {
+            why.push(format!(
+                "it is of window {}, and the run ends at window {}: make it longer, as with --until",
+                record.window, self.plan.windows
+            ));
+        }
+        if why.is_empty() {
+            return Ok(());
+        }
+        Err(RunError::Unfit { checkpoint: from.folder().display().to_string(), why })
+    }
+}

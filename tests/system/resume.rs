@@ -1,0 +1,204 @@
+//! Runs that go on from a checkpoint: to the bits of a run that nothing interrupted, whatever ended
+//! them.
+
+use crate::profiles::SHOWER;
+use crate::running::{Running, until};
+use crate::tremie::{Ran, left_nothing, run, run_text, small_with_fluid, tremie};
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+use std::time::Duration;
+
+/// A dam that breaks onto spheres, short and coarse: 113 windows.
+const DAM: &str = "examples/dam-break/short.toml";
+/// A shock that lifts a hard disc: 20 windows.
+const SHOCK: &str = "examples/shock-and-disc/short.toml";
+
+const QUIET: [&str; 3] = ["--quiet", "--set", "outputs.record=false"];
+
+/// Goes on with the run in `out`.
+fn resume(out: &Path, options: &[&str]) -> Output {
+    tremie().arg("resume").arg(out).arg("--quiet").args(options).output().unwrap()
+}
+
+#[track_caller]
+fn resumed(out: &Path, options: &[&str]) -> String {
+    let output = resume(out, options);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{errors}");
+    errors
+}
+
+/// Checkpoints of a run, by their windows.
+fn checkpoints(out: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(out.join("checkpoints")).into_iter().flatten().flatten();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// Checkpoints every so many windows, of which none is removed.
+fn every(windows: u64) -> String {
+    format!("run.checkpoints={{ windows = {windows}, keep = 99 }}")
+}
+
+/// That two runs made the same table, and the same states at their newest checkpoints.
+#[track_caller]
+fn assert_same(one: &Path, other: &Path) {
+    let read = |out: &Path, file: &str| std::fs::read(out.join(file)).unwrap();
+    let table = |out: &Path| String::from_utf8(read(out, "signals.csv")).unwrap();
+    let (a, b) = (table(one), table(other));
+    let line = a.lines().zip(b.lines()).position(|(a, b)| a != b);
+    assert_eq!(line, None, "the tables differ from this line on");
+    assert_eq!(a.lines().count(), b.lines().count());
+    // On a slow disk one may be passed over.
+    let both: Vec<_> =
+        checkpoints(one).into_iter().filter(|name| checkpoints(other).contains(name)).collect();
+    assert!(!both.is_empty());
+    for name in both.iter().map(|name| PathBuf::from("checkpoints").join(name)) {
+        for entry in std::fs::read_dir(one.join(&name)).unwrap() {
+            let file = entry.unwrap().file_name().to_string_lossy().into_owned();
+            if file.ends_with(".npz") && file != "orchestrator.npz" {
+                let file = name.join(&file).to_string_lossy().into_owned();
+                assert!(read(one, &file) == read(other, &file), "{file} differs");
+            }
+        }
+    }
+}
+
+/// A run that `fault` ends, resumed, beside one without a fault.
+#[track_caller]
+fn assert_resumes(
+    run: impl Fn(&[&str]) -> Ran,
+    (windows, fault): (u64, &str),
+    options: &[&str],
+    then: &[&str],
+) {
+    let every = every(windows);
+    let all = [&QUIET[..], &["--set", &every], options].concat();
+    let whole = run(&all).succeeded();
+    let broken = run(&[&all[..], &["--inject", fault]].concat());
+    assert_eq!(broken.code(), Some(1), "{}", broken.errors());
+    assert!(broken.errors().contains("tremie resume"), "{}", broken.errors());
+    resumed(&broken.out, then);
+    assert_same(&whole.out, &broken.out);
+    let windows = |ran: &Ran| ran.summary()["windows"].clone();
+    assert_eq!(windows(&whole), windows(&broken));
+    assert_eq!(whole.summary()["signals"], broken.summary()["signals"]);
+}
+
+#[test]
+fn a_fluid_of_particles_and_spheres_go_on_after_any_fault() {
+    let dam = |options: &[&str]| run(DAM, options);
+    assert_resumes(dam, (20, "fluid:nan@77"), &[], &[]);
+    assert_resumes(dam, (16, "grains:kill@50"), &["--schedule", "parallel"], &["--in-process"]);
+}
+
+#[test]
+fn a_gas_and_hard_spheres_go_on_on_another_number_of_threads() {
+    let one = ["--set", "components.fluid.threads=1"];
+    let two = ["--set", "components.fluid.threads=2"];
+    let shock = |options: &[&str]| run(SHOCK, options);
+    assert_resumes(shock, (6, "fluid:exit@11"), &one, &two);
+    assert_resumes(shock, (3, "grains:drop@17"), &["--schedule", "parallel"], &[]);
+}
+
+#[test]
+fn grains_with_friction_and_profiles_go_on() {
+    let shower = |options: &[&str]| run_text(SHOWER, options);
+    assert_resumes(shower, (150, "grains:kill@500"), &[], &[]);
+}
+
+/// Starts a run of [`DAM`] with checkpoints, and waits for the first.
+fn started(out: &Path, windows: u64) -> Running {
+    let mut command = tremie();
+    command.arg("run").arg(DAM).arg("--out").arg(out).args(QUIET);
+    command.args(["--set", &every(windows)]);
+    let running = Running::start(command.stderr(Stdio::null()));
+    let has_one = || checkpoints(out).iter().any(|name| name.starts_with("window"));
+    until("a first checkpoint", has_one);
+    running
+}
+
+#[test]
+fn a_run_whose_orchestrator_was_killed_goes_on_from_its_newest_checkpoint() {
+    let home = tempfile::tempdir().unwrap();
+    let out = home.path().join("out");
+    let mut running = started(&out, 20);
+    running.send("-KILL");
+    running.wait(Duration::from_secs(10));
+    // As if it had been killed in the middle of the next.
+    let unfinished = out.join("checkpoints/.unfinished-window-000000000099");
+    std::fs::create_dir_all(&unfinished).unwrap();
+    std::fs::write(unfinished.join("fluid.npz"), "half").unwrap();
+    resumed(&out, &[]);
+    let whole = run(DAM, &[&QUIET[..], &["--set", &every(20)]].concat()).succeeded();
+    assert_same(&whole.out, &out);
+}
+
+#[test]
+fn a_run_that_was_asked_to_end_goes_on_where_it_ended() {
+    let home = tempfile::tempdir().unwrap();
+    let out = home.path().join("out");
+    let mut running = started(&out, 50);
+    running.send("-TERM");
+    assert_eq!(running.wait(Duration::from_secs(20)), Some(130));
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let last = summary["windows"].as_u64().unwrap();
+    // One window after it, whose row the run that goes on makes again.
+    assert_eq!(summary["checkpoint"].as_u64(), Some(last - 1));
+    resumed(&out, &[]);
+    let whole = run(DAM, &QUIET).succeeded();
+    let table = |out: &Path| std::fs::read_to_string(out.join("signals.csv")).unwrap();
+    assert_eq!(table(&out), table(&whole.out));
+}
+
+#[test]
+fn a_run_that_goes_on_can_be_longer_but_not_another() {
+    let ran = run(SHOCK, &[&QUIET[..], &["--set", &every(8)]].concat()).succeeded();
+    let refused = |options: &[&str], words: &[&str]| {
+        let output = resume(&ran.out, options);
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        words.iter().for_each(|word| assert!(errors.contains(word), "{word}: {errors}"));
+    };
+    refused(&["--set", "scene.fluid.density=2 kg/m3"], &["scene.fluid.density cannot change"]);
+    refused(&["--set", "run.schedule=parallel"], &["run.schedule cannot change"]);
+    refused(&["--set", "outputs.fram=1 s"], &["did you mean \"frames\"?"]);
+    refused(&["--at", "3"], &["no checkpoint of window 3", "8, 16"]);
+    assert_eq!(ran.summary()["status"], "completed", "a refusal changes nothing");
+    resumed(&ran.out, &["--at", "8", "--until", "60 ms"]);
+    let longer = run(SHOCK, &[&QUIET[..], &["--until", "60 ms"]].concat()).succeeded();
+    assert_eq!(ran.signals_text(), longer.signals_text());
+}
+
+#[test]
+fn a_damaged_checkpoint_is_named() {
+    let ran = run(SHOCK, &[&QUIET[..], &["--set", &every(8)]].concat()).succeeded();
+    let file = ran.out.join("checkpoints/window-000000000016/fluid.npz");
+    let mut bytes = std::fs::read(&file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&file, &bytes).unwrap();
+    let errors = |output: Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = errors(resume(&ran.out, &[]));
+    assert!(said.contains("fluid") && said.contains("damaged"), "{said}");
+    bytes.truncate(middle);
+    std::fs::write(&file, &bytes).unwrap();
+    let said = errors(resume(&ran.out, &[]));
+    assert!(said.contains("fluid.npz has") && said.contains("--at 8"), "{said}");
+    resumed(&ran.out, &["--at", "8"]);
+    left_nothing(&ran.summary(), crate::running::now(), "resumed");
+}
+
+#[test]
+fn a_run_with_a_program_that_keeps_no_state_says_so() {
+    let text = small_with_fluid(Path::new("minimal-fluid"))
+        .replace("[settings.fluid-lbm]\ncell = \"0.5 mm\"", "");
+    let ran = run_text(&text, &["--until", "1 ms"]).succeeded();
+    let said = ran.errors();
+    assert!(said.contains("keeps no state: the run cannot be resumed"), "{said}");
+    let said = String::from_utf8_lossy(&resume(&ran.out, &[]).stderr).into_owned();
+    assert!(said.contains("holds no checkpoint"), "{said}");
+}
