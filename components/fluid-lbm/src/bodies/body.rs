@@ -1,5 +1,7 @@
 //! One body in the fluid: where it is, how its wall moves, which cells it covers.
 
+mod kept_body;
+
 use crate::bodies::deformable_shape::Hit;
 use crate::bodies::mass_account::MassAccount;
 use crate::bodies::mesh_body::MeshBody;
@@ -8,17 +10,22 @@ use crate::bodies::sphere_raster::{RowSpans, wall_distance};
 use crate::lattice::d3q19::{C, C_F64, cross};
 use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::survey::displaced_volume::Displaced;
-use tremie_messages::{BodyState, SurfaceVertex};
+use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
 use tremie_team::Team;
+
+pub use self::kept_body::KeptBody;
 
 /// A sphere, a part or a polyhedron in the fluid; lattice units.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Its id.
     pub id: u64,
+    /// What added it; none of a surface that deforms.
+    pub event: Option<BodyEvent>,
     /// Its number in the map of owners.
     pub handle: u32,
     /// Radius of a sphere; of a part the distance of its farthest point from its origin.
@@ -71,7 +78,7 @@ pub struct Body {
 }
 
 /// Share of a union's volume that a piece of it displaces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnionShare {
     /// Volume [cells].
     pub volume: f64,
@@ -141,6 +148,7 @@ impl Body {
         });
         Self {
             id,
+            event: None,
             handle,
             radius,
             part,
@@ -384,9 +392,7 @@ impl Body {
             return false;
         }
         std::mem::swap(&mut self.spans, &mut self.previous);
-        self.spans.fit(&layout.grid, self.position, self.radius);
-        let origin = self.position.map(|x| (x - self.radius).floor() as i32 - 1);
-        let is_elsewhere = self.shell.fit(layout, origin);
+        let is_elsewhere = self.fit(layout, self.position);
         let is_changed = !self.spans.are(&self.previous);
         if is_changed {
             let (left, entered) = (&mut self.left, &mut self.entered);
@@ -399,6 +405,13 @@ impl Body {
             self.find_lines(line);
         }
         finds_lines
+    }
+
+    /// Finds the cells inside and around a sphere at a place; true if those around are others.
+    fn fit(&mut self, layout: &Layout, centre: [f64; 3]) -> bool {
+        self.spans.fit(&layout.grid, centre, self.radius);
+        let origin = centre.map(|x| (x - self.radius).floor() as i32 - 1);
+        self.shell.fit(layout, origin)
     }
 
     /// Lists the cells that a part's last move changed.

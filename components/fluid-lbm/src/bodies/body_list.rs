@@ -1,6 +1,6 @@
 //! The bodies in the fluid: who lives, where they are.
 
-use crate::bodies::body::{Body, UnionShare};
+use crate::bodies::body::{Body, KeptBody, UnionShare};
 use crate::bodies::body_shapes::BodyShapes;
 use crate::bodies::deformable_surface::SoftSurface;
 use crate::bodies::events::check;
@@ -10,6 +10,20 @@ use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
+use tremie_state::{StateError, StateExchange};
+use tremie_team::Team;
+
+/// What finding the cells of bodies takes.
+pub struct BodySite<'a> {
+    /// Units of the lattice.
+    pub units: &'a Units,
+    /// Layout of the cells.
+    pub layout: &'a Layout,
+    /// Cells of a line.
+    pub line: usize,
+    /// Threads.
+    pub team: &'a mut Team,
+}
 
 /// All bodies.
 #[derive(Clone, Debug, Default)]
@@ -156,14 +170,9 @@ impl Bodies {
             let place = self.living.partition_point(|b| b.id < event.id);
             if event.kind == BodyEvent::ADDED {
                 let handle = self.new_handle();
-                let part = self.catalogue.body(event, units.cell);
-                let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
                 self.newcomers.push(handle);
-                let mut body = Body::new(&layout.grid, event.id, handle, radius, part);
+                let mut body = self.body(event, handle, units, layout);
                 body.share = self.next_share(event);
-                if event.motion == BodyEvent::FREE {
-                    body.mass = event.mass / units.mass();
-                }
                 self.living.insert(place, body);
             } else {
                 let mut body = self.living.remove(place);
@@ -174,6 +183,96 @@ impl Bodies {
         self.renumber();
         self.changed |= !events.is_empty();
         Ok(())
+    }
+
+    /// The body that an event adds, which was checked.
+    fn body(&self, event: &BodyEvent, handle: u32, units: &Units, layout: &Layout) -> Body {
+        let part = self.catalogue.body(event, units.cell);
+        let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
+        let mut body = Body::new(&layout.grid, event.id, handle, radius, part);
+        body.event = Some(*event);
+        if event.motion == BodyEvent::FREE {
+            body.mass = event.mass / units.mass();
+        }
+        body
+    }
+
+    /// Keeps the rigid bodies, or puts them back with their cells.
+    ///
+    /// # Errors
+    /// Bodies that the scene does not have.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        site: BodySite<'_>,
+    ) -> Result<(), StateError> {
+        let sets = self.came.len();
+        let mut kept: Vec<_> = self.living.iter().filter_map(KeptBody::of).collect();
+        state.value("living", &mut kept)?;
+        state.list("free_handles", &mut self.free)?;
+        state.value("came", &mut self.came)?;
+        if !state.restores() {
+            return Ok(());
+        }
+        if let Err(error) = self.check_kept(&kept, &site) {
+            return state.unfit(format!("a body of the state is not the scene's: {error}"));
+        }
+        if !self.have_handles(&kept) || self.came.len() != sets {
+            return state.unfit("the bodies of the state are not those of one scene");
+        }
+        self.put_back(&kept, site);
+        Ok(())
+    }
+
+    /// Checks that events can have added the bodies of a state.
+    fn check_kept(&self, kept: &[KeptBody], site: &BodySite<'_>) -> Result<(), FluidError> {
+        let mut ids = Vec::with_capacity(kept.len());
+        for body in kept {
+            check(&body.event, &mut ids, site.units, &site.layout.grid, &self.catalogue)?;
+        }
+        match kept.iter().find(|body| !body.is_placed()) {
+            Some(body) => Err(FluidError::NonFiniteBody { id: body.event.id }),
+            None => Ok(()),
+        }
+    }
+
+    /// True if each handle is one body's or free, and the bodies are sorted by id.
+    fn have_handles(&self, kept: &[KeptBody]) -> bool {
+        let mut handles: Vec<u32> = kept.iter().map(|body| body.handle).collect();
+        handles.extend_from_slice(&self.free);
+        handles.sort_unstable();
+        handles.iter().copied().eq(0..handles.len() as u32)
+            && kept.is_sorted_by(|a, b| a.event.id < b.event.id)
+            && kept.iter().all(|body| body.event.kind == BodyEvent::ADDED)
+    }
+
+    /// Makes the bodies of a state that was checked.
+    fn put_back(&mut self, kept: &[KeptBody], site: BodySite<'_>) {
+        let BodySite { units, layout, line, team } = site;
+        self.living.clear();
+        for kept in kept {
+            let mut body = self.body(&kept.event, kept.handle, units, layout);
+            kept.put_back(&mut body, layout, line, team);
+            self.living.push(body);
+        }
+        self.places = vec![0; kept.len() + self.free.len()];
+        self.renumber();
+    }
+
+    /// True if there was ever a body.
+    pub fn had_any(&self) -> bool {
+        !self.places.is_empty()
+    }
+
+    /// True if bodies came or went since the last step.
+    pub fn come_or_go(&self) -> bool {
+        self.changed || !self.leaving.is_empty()
+    }
+
+    /// True if the body with a handle lives.
+    pub fn is_alive(&self, handle: u32) -> bool {
+        let place = self.places.get(handle as usize).map(|&place| place as usize);
+        place.and_then(|place| self.living.get(place)).is_some_and(|body| body.handle == handle)
     }
 
     /// Checks that states are those of the living bodies, finite, and have a load each.

@@ -1,6 +1,7 @@
 //! The mass that a body owes the fluid.
 
 use crate::lattice::momentum_exchange::MomentumExchange;
+use serde::{Deserialize, Serialize};
 
 /// Part of what is owed that a step pays. Between a body's surface and the last cells is volume
 /// whose density follows the sound around: what is owed for that comes and goes by itself, and paid
@@ -8,7 +9,7 @@ use crate::lattice::momentum_exchange::MomentumExchange;
 const RATE: f64 = 0.002;
 
 /// The mass that one body owes the fluid [cells at density 1].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct MassAccount {
     /// True if the body was there in the last step: what it displaces when it appears is no debt.
     pub is_open: bool,

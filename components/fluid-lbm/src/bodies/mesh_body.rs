@@ -169,6 +169,11 @@ impl MeshBody {
         moved
     }
 
+    /// Orientation that it was placed in last.
+    pub fn orientation(&self) -> [f64; 4] {
+        self.orientation
+    }
+
     /// As [`MeshBody::drift_at`], of a place on a surface that may deform.
     #[inline(always)]
     pub fn drift_of(&self, hit: Hit, arm: [f64; 3]) -> [f64; 3] {

@@ -150,6 +150,12 @@ impl RowSpans {
         self.slack > 0.0 && far2 < self.slack * self.slack
     }
 
+    /// Place of a sphere at which they were found, given where it is now.
+    pub fn found_at(&self, now: [f64; 3]) -> [f64; 3] {
+        // Without slack they are found anew wherever it goes.
+        if self.slack > 0.0 { self.centre } else { now }
+    }
+
     /// Moves all coordinates.
     pub fn shift(&mut self, by: [i32; 3]) {
         self.slack = 0.0;

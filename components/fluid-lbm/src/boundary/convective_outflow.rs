@@ -41,6 +41,7 @@ use crate::lattice::d3q19::{Q, W};
 use crate::lattice::error::FluidError;
 use crate::lattice::populations::Real;
 use std::ops::Range;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// A face through which fluid leaves by convection.
@@ -150,6 +151,10 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
 
     fn bytes(&self) -> usize {
         self.cells.len() * (size_of::<FaceCell>() + size_of::<Option<[f64; Q]>>())
+    }
+
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("offset", &mut self.offset)
     }
 }
 

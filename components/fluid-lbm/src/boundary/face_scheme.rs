@@ -17,6 +17,7 @@ use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::units::Units;
 use std::ops::Range;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::{Team, Variant};
 
 /// Cells that are one item of work.
@@ -50,6 +51,12 @@ pub trait FaceScheme<T: Real>: Send {
 
     /// Memory that the scheme's tables take [bytes].
     fn bytes(&self) -> usize;
+
+    /// Keeps what the scheme knows from earlier steps, or puts it back.
+    ///
+    /// # Errors
+    /// A state of another face.
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
 }
 
 /// The fluid at the beginning of a step.

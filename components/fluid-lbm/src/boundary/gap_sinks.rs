@@ -14,6 +14,7 @@ use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
 use std::collections::{BTreeMap, VecDeque};
+use tremie_state::{StateError, StateExchange};
 
 /// Entry of the table of cells where no modelled gap is.
 pub const NO_GAP: u16 = u16::MAX;
@@ -130,6 +131,32 @@ impl GapSinks {
                 }
             }
         }
+    }
+
+    /// Keeps what is due at the intakes and which is nearest to each of `cells` cells, or puts it
+    /// back.
+    ///
+    /// # Errors
+    /// A state of other gaps.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        cells: usize,
+    ) -> Result<(), StateError> {
+        let get = |intake: &Intake| [intake.due, intake.weight, intake.rate];
+        let set = |intake: &mut Intake, [due, weight, rate]: [f64; 3]| {
+            *intake = Intake { due, weight, rate };
+        };
+        state.column("intakes", &mut self.list, get, set)?;
+        // They depend on which cells were fluid when they were looked for.
+        state.list("nearest_intakes", &mut self.nearest)?;
+        if ![0, cells].contains(&self.nearest.len()) {
+            return state.unfit("the intakes of the state are those of another lattice");
+        }
+        if !self.nearest.is_empty() {
+            self.seeds.clear();
+        }
+        Ok(())
     }
 
     /// Memory that the table takes [bytes].

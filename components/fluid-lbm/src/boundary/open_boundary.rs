@@ -64,9 +64,11 @@ use crate::lattice::error::FluidError;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::Profile;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// Part of the way that the mean velocity at an absorbing face goes in the time in which sound
@@ -108,7 +110,7 @@ pub struct OpenFace {
 
 /// By how much the velocities of a face are larger than given, so that it delivers what is asked
 /// for.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Steering {
     /// As a part of them.
     more: f64,
@@ -239,6 +241,24 @@ impl<T: Real> FaceScheme<T> for OpenFace {
 
     fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice())
+    }
+
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("steering", &mut self.steering)?;
+        let get = |item: &OpenItem| item.entering as u64;
+        let set = |item: &mut OpenItem, entering: u64| item.entering = entering as usize;
+        state.column("entering", &mut self.items, get, set)?;
+        if self.relax == 0.0 {
+            return Ok(());
+        }
+        let mut means: Vec<f64> = self.items.iter().flat_map(|item| &item.means).copied().collect();
+        state.array("means", &mut means)?;
+        let mut rest = means.as_slice();
+        for item in &mut self.items {
+            let own = rest.split_off(..item.means.len()).unwrap_or_default();
+            item.means.copy_from_slice(own);
+        }
+        Ok(())
     }
 }
 

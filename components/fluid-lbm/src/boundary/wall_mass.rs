@@ -37,6 +37,7 @@ use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{Q, W};
 use std::collections::HashMap;
 use tremie_fluid_kit::cells::grid::Grid;
+use tremie_state::{StateError, StateExchange};
 
 /// Part of what is owed that a step pays, once smoothed.
 const RATE: f64 = 0.002;
@@ -208,12 +209,37 @@ impl Patches {
             account.gained = account.settle();
             owed += account.owed;
         }
+        self.let_pay(items);
+        owed
+    }
+
+    /// Keeps what is owed and what the coming step pays, or puts it back, for these items too.
+    ///
+    /// # Errors
+    /// A state of other walls.
+    pub fn exchange(
+        &mut self,
+        items: &mut [WallItem],
+        state: &mut StateExchange<'_>,
+    ) -> Result<(), StateError> {
+        let get = |account: &PatchAccount| [account.owed, account.smoothed, account.gained];
+        let set = |account: &mut PatchAccount, [owed, smoothed, gained]: [f64; 3]| {
+            *account = PatchAccount { owed, smoothed, gained, weight: 0.0 };
+        };
+        state.column("owed", &mut self.accounts, get, set)?;
+        if state.restores() {
+            self.let_pay(items);
+        }
+        Ok(())
+    }
+
+    /// Tells the patches of the items what they pay, once their accounts are settled.
+    fn let_pay(&self, items: &mut [WallItem]) {
         for patch in items.iter_mut().flat_map(|item| &mut item.patches) {
             if let Holder::Account(number) = patch.holder {
                 patch.pay = self.accounts[number as usize].gained;
             }
         }
-        owed
     }
 
     /// Forgets what is owed: the fluid begins anew.

@@ -16,6 +16,7 @@ use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 use tremie_geometry::clump;
 use tremie_messages::scene::{ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
+use tremie_state::{KeepsState, StateError, StateExchange};
 use tremie_team::{Found, Variant};
 
 /// A lattice-Boltzmann fluid in a box, with moving bodies in it.
@@ -336,6 +337,14 @@ impl LbmFluid {
     /// Relaxation time [time steps].
     pub fn tau(&self) -> f64 {
         solver!(&self.solver, s => s.lattice.tau)
+    }
+}
+
+impl KeepsState for LbmFluid {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        solver!(&mut self.solver, s => s.exchange(state))
     }
 }
 

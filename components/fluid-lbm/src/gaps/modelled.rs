@@ -35,6 +35,7 @@ use crate::lattice::populations::Real;
 use tremie_fluid_kit::cells::centres::Centres;
 use tremie_fluid_kit::probes::sampling::samples;
 use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
+use tremie_state::{StateError, StateExchange};
 use tremie_team::{Cut, Team};
 
 /// Fluid cells with a way to fewer others than this are a pocket.
@@ -184,6 +185,24 @@ impl ModelledGaps {
         let items = own.candidates.chunks(CELLS_PER_ITEM);
         own.turning = items.map(|item| Vec::with_capacity(item.len())).collect();
         own
+    }
+
+    /// Keeps pressures and pockets, or puts them back. Thickness and mouths follow from bodies and
+    /// cells.
+    ///
+    /// # Errors
+    /// A state of other gaps.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("are_measured", &mut self.is_measured)?;
+        for (k, gap) in self.gaps.iter_mut().enumerate() {
+            state.within(&format!("gap{k}"), |state| gap.exchange(state))?;
+        }
+        state.list("pockets", &mut self.pockets)?;
+        let are_cells = self.pockets.last().is_none_or(|&last| (last as usize) < self.of.len());
+        if !(are_cells && self.pockets.is_sorted()) {
+            return state.unfit("the pockets of the state are none of this lattice");
+        }
+        Ok(())
     }
 
     /// For each stored cell the gap that it may be frozen in.
@@ -378,6 +397,15 @@ impl Weighted {
 }
 
 impl Declared {
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("drho", &mut self.drho)?;
+        state.value("is_there", &mut self.is_there)?;
+        for probe in &mut self.probes {
+            state.value(&format!("probe{}", probe.number), &mut probe.last)?;
+        }
+        Ok(())
+    }
+
     /// The body that opens it.
     fn mover<'a>(&self, bodies: &'a Bodies) -> Option<&'a Body> {
         self.sides.iter().find_map(|side| match side {

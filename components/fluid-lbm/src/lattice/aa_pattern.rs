@@ -39,6 +39,11 @@ pub enum Parity {
 }
 
 impl Parity {
+    /// That of the step after so many.
+    pub fn after(steps: u64) -> Self {
+        if steps.is_multiple_of(2) { Self::Even } else { Self::Odd }
+    }
+
     /// The other one.
     #[inline]
     pub fn flipped(self) -> Self {

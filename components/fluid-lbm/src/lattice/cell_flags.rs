@@ -7,6 +7,7 @@
 
 use crate::lattice::d3q19::Q;
 use crate::lattice::layout::Layout;
+use tremie_state::{StateError, StateExchange};
 
 /// Owner of a cell.
 pub type Owner = u32;
@@ -84,6 +85,68 @@ impl CellFlags {
             frozen: 0,
             fluid_cells: cells,
             changes: None,
+        }
+    }
+
+    /// Keeps whose the cells are, or puts it back; `is_alive` says of a handle whether its body
+    /// lives.
+    ///
+    /// # Errors
+    /// A state of other cells or bodies.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        is_alive: impl Fn(u32) -> bool,
+    ) -> Result<(), StateError> {
+        let mut shared: Vec<_> = self.shared.iter().map(|&(cell, handle)| [cell, handle]).collect();
+        let mut vacated: Vec<_> = self.vacated.iter().map(|v| [v.cell, v.handle]).collect();
+        state.array("owners", &mut self.of)?;
+        state.list("shared", &mut shared)?;
+        state.list("covered", &mut self.covered)?;
+        state.list("vacated", &mut vacated)?;
+        if state.restores() {
+            self.shared = shared.into_iter().map(|[cell, handle]| (cell, handle)).collect();
+            self.vacated =
+                vacated.into_iter().map(|[cell, handle]| Vacated { cell, handle }).collect();
+            if !self.are_held_by(is_alive) {
+                return state.unfit("the cells of the state are not held by its bodies");
+            }
+            self.survey();
+        }
+        Ok(())
+    }
+
+    /// True if whoever holds a cell lives, and the claims on shared cells are in order.
+    fn are_held_by(&self, is_alive: impl Fn(u32) -> bool) -> bool {
+        let is_owner = |&owner: &Owner| match owner {
+            FLUID | FROZEN | ISOLATED | SHARED => true,
+            owner => owner.checked_sub(BODY).is_some_and(&is_alive),
+        };
+        let is_claim = |&(cell, handle): &(u32, u32)| {
+            self.of.get(cell as usize) == Some(&SHARED) && is_alive(handle)
+        };
+        self.of.iter().all(is_owner)
+            && self.shared.iter().all(is_claim)
+            && self.shared.is_sorted_by(|a, b| a < b)
+    }
+
+    /// Finds bits and numbers of cells from whose they are.
+    fn survey(&mut self) {
+        self.fluid.fill(0);
+        self.held_twice.fill(0);
+        (self.fluid_cells, self.isolated, self.frozen) = (0, 0, 0);
+        for (cell, &owner) in self.of.iter().enumerate() {
+            let bit = 1 << (cell % 8);
+            match owner {
+                FLUID => {
+                    self.fluid[cell / 8] |= bit;
+                    self.fluid_cells += 1;
+                }
+                SHARED => self.held_twice[cell / 8] |= bit,
+                ISOLATED => self.isolated += 1,
+                FROZEN => self.frozen += 1,
+                _ => {}
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! The balance of momentum and mass of the fluid, term by term.
 
+use serde::{Deserialize, Serialize};
+
 /// Balance of the fluid in the last step, SI units.
 ///
 /// Impulses [kg m/s] and masses [kg] that entered the fluid (positive) during the step. They add
@@ -14,7 +16,7 @@
 /// feels nothing. The momentum that the links moved besides, `(f_i' - g_i) u_w`, is that of the
 /// mass that the wall pushed aside; it is `swept`, and balances `covered` and `uncovered` over the
 /// time in which a body crosses a cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Momentum of the fluid at the end of the step [kg m/s].
     pub momentum: [f64; 3],

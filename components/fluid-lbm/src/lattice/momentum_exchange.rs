@@ -3,10 +3,11 @@
 
 use crate::lattice::d3q19::cross;
 use crate::lattice::ledger::add_scaled;
+use serde::{Deserialize, Serialize};
 use std::iter::Sum;
 
 /// Momentum, torque and mass that links exchanged in a step [lattice units].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MomentumExchange {
     /// Force on the body.
     pub force: [f64; 3],

@@ -11,10 +11,11 @@ use crate::lattice::d3q19::Q;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+use tremie_state::StateNumber;
 use tremie_team::simd::SimdVector;
 
 /// A number of storage and collision: `f64` or `f32`.
-pub trait Real: Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {
+pub trait Real: StateNumber + Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {
     /// Atomic of the same layout.
     type Atomic: Send + Sync;
     /// Count of numbers that fill 64 bytes.
@@ -140,6 +141,14 @@ impl<T: Real> Field<T> {
                 self.layout.size() / size_of::<T::Atomic>(),
             )
         }
+    }
+
+    /// The first `count` numbers as they lie in memory.
+    pub fn numbers(&mut self, count: usize) -> &mut [T] {
+        assert!(count <= self.places().len(), "the field holds fewer numbers");
+        // SAFETY: the array holds as many numbers, and was zeroed; an atomic lies in memory as its
+        // number does; and nobody else uses the field while it is borrowed.
+        unsafe { std::slice::from_raw_parts_mut(self.base(), count) }
     }
 
     /// The number in a place.

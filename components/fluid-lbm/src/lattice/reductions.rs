@@ -3,9 +3,10 @@
 use crate::lattice::collision::Moments;
 use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::Real;
+use serde::{Deserialize, Serialize};
 
 /// Sums over the fluid cells of a block of lines, before their collision.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CellStatistics {
     /// Sum of the densities minus 1.
     pub excess: f64,

@@ -11,6 +11,7 @@ use crate::solver::lost_mass::Lost;
 use crate::solver::moving_bodies::MovingBodies;
 use crate::solver::open_boundaries::OpenBoundaries;
 use crate::solver::static_boundaries::StaticBoundaries;
+use tremie_state::{StateError, StateExchange};
 
 /// Account of the last step's momentum and mass.
 #[derive(Default)]
@@ -31,6 +32,21 @@ impl Budget {
         for body in leaving {
             add_scaled(&mut self.balance.dropped, body.carried[0], 1.0);
         }
+    }
+
+    /// Keeps the balance and the account of lost mass, or puts them back.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        units: &Units,
+    ) -> Result<(), StateError> {
+        state.value("balance", &mut self.balance)?;
+        state.value("lost", &mut self.lost)?;
+        self.ledger = self.balance.scaled(units.impulse(), units.mass());
+        Ok(())
     }
 
     /// Adds what bodies gave, and symmetry planes along their axes.

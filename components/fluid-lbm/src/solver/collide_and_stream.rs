@@ -22,7 +22,8 @@ use crate::lattice::reflection_impulse::ReflectionImpulse;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use std::ops::Range;
-use std::sync::atomic::AtomicU8;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Variant;
 
 /// Cells that are one item of work of the collision. Blocks are added up in their order.
@@ -153,6 +154,30 @@ impl<T: CollisionKernel> CollideAndStream<T> {
             nearest_wall: nearest_wall(lattice.tau),
             gaps,
         }
+    }
+
+    /// Keeps which densities are wanted, or puts it back.
+    ///
+    /// # Errors
+    /// A state of another lattice.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        layout: &Layout,
+    ) -> Result<(), StateError> {
+        let mut wanted: Vec<u8> =
+            self.requests.lines.iter().map(|line| line.load(Relaxed)).collect();
+        state.list("wanted_lines", &mut wanted)?;
+        state.value("wanted_for", &mut self.requests.left)?;
+        if !state.restores() || wanted.is_empty() {
+            return Ok(());
+        }
+        self.make_room(layout);
+        if wanted.len() != self.requests.lines.len() {
+            return state.unfit("the densities that the state wants are those of another lattice");
+        }
+        self.requests.lines = wanted.into_iter().map(AtomicU8::new).collect();
+        Ok(())
     }
 
     /// Makes room for the densities that links of bodies need, once there are bodies.

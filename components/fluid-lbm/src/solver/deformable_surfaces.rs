@@ -29,6 +29,11 @@ impl AwaitedSurfaces {
         Self { waiting, vertices, parts: scene.parts.len(), pose_spacing }
     }
 
+    /// True if the scene has any.
+    pub fn are_any(&self) -> bool {
+        self.vertices > 0
+    }
+
     /// Gives all surfaces their vertices; true if they have become bodies by it.
     ///
     /// # Errors

@@ -16,6 +16,7 @@ use crate::solver::gap_pressure::{InGaps, Seen, UNKNOWN};
 use crate::solver::lattice_state::LatticeState;
 use tremie_fluid_kit::cells::centres::Centres;
 use tremie_messages::scene::Scene;
+use tremie_state::{StateError, StateExchange};
 
 /// The gaps of a scene, what fills them, and what they give.
 pub struct GapModel {
@@ -72,6 +73,36 @@ impl GapModel {
     /// True if the links' search looks across gaps that hold no fluid.
     pub fn feels_gaps(&self) -> bool {
         self.tables.walls.is_some()
+    }
+
+    /// Keeps what earlier steps left in declared gaps, or puts it back; `cells` is the number of
+    /// stored cells.
+    ///
+    /// # Errors
+    /// A state of other gaps.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        cells: usize,
+    ) -> Result<(), StateError> {
+        if self.modelled.is_empty() {
+            return Ok(());
+        }
+        self.modelled.exchange(state)?;
+        self.tables.sinks.exchange(state, cells)
+    }
+
+    /// Finds what follows from a state: thickness, and then as [`GapModel::find_openings`].
+    pub fn resume<T: Real>(
+        &mut self,
+        lattice: &LatticeState<T>,
+        bodies: &Bodies,
+        exec: &mut Execution,
+    ) {
+        if !self.modelled.is_empty() && !self.modelled.is_fresh() {
+            self.modelled.measure(&lattice.layout, bodies, &mut exec.team);
+            self.find_openings(lattice, bodies, exec);
+        }
     }
 
     /// Makes room for what so many items of links find.

@@ -5,11 +5,12 @@ use crate::boundary::refill::PreCollision;
 use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::collision::Relaxation;
-use crate::lattice::d3q19::{CS2, equilibria};
+use crate::lattice::d3q19::{CS2, Q, equilibria};
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::reductions::CellStatistics;
 use crate::lattice::units::Units;
+use tremie_state::{StateError, StateExchange};
 
 /// Cells, populations and flags of a lattice.
 pub struct LatticeState<T: Real> {
@@ -78,6 +79,25 @@ impl<T: Real> LatticeState<T> {
         let changed = covered.iter().chain(enclosed).copied();
         let changed = changed.chain(vacated.iter().map(|vacated| vacated.cell));
         self.changes.begin(&self.layout, changed);
+    }
+
+    /// Keeps populations and cells, or puts them back; `is_alive` says of a handle whether its body
+    /// lives.
+    ///
+    /// # Errors
+    /// A state of another lattice, or of one in the other precision.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        is_alive: impl Fn(u32) -> bool,
+    ) -> Result<(), StateError> {
+        let count = self.layout.places.stride() * Q;
+        state.array("populations", self.field.numbers(count))?;
+        self.flags.exchange(state, is_alive)?;
+        state.value("steps", &mut self.steps)?;
+        state.value("statistics", &mut self.statistics)?;
+        self.parity = Parity::after(self.steps);
+        Ok(())
     }
 
     /// Puts all cells into local equilibrium; see [`crate::LbmFluid::set_state`].

@@ -158,7 +158,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
     }
 
     /// Makes the items of the bodies' links, and room for what changes in a step.
-    fn list_items(&mut self) {
+    pub(super) fn list_items(&mut self) {
         let Self { lattice, collision, bodies, walls, gaps, pinched, .. } = self;
         collision.make_room(&lattice.layout);
         if let Some(distances) = gaps.tables.walls.as_mut().filter(|walls| walls.is_empty()) {

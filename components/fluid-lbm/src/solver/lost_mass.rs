@@ -17,8 +17,10 @@
 //! interpolated or not. A step in which bodies appear or vanish counts nothing: what they displace
 //! is no loss.
 
+use serde::{Deserialize, Serialize};
+
 /// Account of that mass [cells at density 1].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Lost {
     took: f64,
     space: f64,

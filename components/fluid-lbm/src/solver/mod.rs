@@ -9,6 +9,7 @@ pub mod execution;
 pub mod facet_loads;
 pub mod gap_model;
 pub mod gap_pressure;
+mod kept_state;
 pub mod lattice_state;
 pub mod lbm_solver;
 pub mod loads;

@@ -9,6 +9,7 @@ use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::static_boundaries::StaticBoundaries;
 use tremie_fluid_kit::cells::grid::Grid;
+use tremie_state::{StateError, StateExchange};
 
 /// The faces through which fluid enters and leaves.
 pub struct OpenBoundaries<T: Real> {
@@ -31,6 +32,17 @@ impl<T: Real> OpenBoundaries<T> {
     fn schemes(&mut self) -> impl Iterator<Item = &mut dyn FaceScheme<T>> {
         let reservoirs = self.reservoirs.iter_mut().map(|face| face as &mut dyn FaceScheme<T>);
         reservoirs.chain(self.faces.iter_mut().map(|face| &mut **face as &mut dyn FaceScheme<T>))
+    }
+
+    /// Keeps what the faces know from earlier steps, or puts it back.
+    ///
+    /// # Errors
+    /// A state of other faces.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let mut all = self.schemes().enumerate();
+        all.try_for_each(|(k, scheme)| {
+            state.within(&format!("{k}"), |state| scheme.exchange(state))
+        })
     }
 
     /// Begins a step: moves the pistons of reservoirs.

@@ -19,6 +19,7 @@ use crate::lattice::d3q19::{C_F64, Q, W, dot};
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
 use crate::solver::lattice_state::LatticeState;
+use tremie_state::{StateError, StateExchange};
 
 /// Links into fluid from which on fluid flows through a cell: those of a cell along the edge of a
 /// box.
@@ -56,6 +57,38 @@ impl Pinched {
     /// Makes room for so many more.
     pub fn reserve(&mut self, cells: usize) {
         self.cells.reserve(cells);
+    }
+
+    /// Keeps the cells with their momenta, or puts them back; `all` cells are stored.
+    ///
+    /// # Errors
+    /// A state of another lattice.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        all: usize,
+    ) -> Result<(), StateError> {
+        let mut cells: Vec<u32> = self.cells.iter().map(|pinched| pinched.cell).collect();
+        let mut momenta: Vec<[f64; 3]> = self.cells.iter().map(|pinched| pinched.j).collect();
+        state.list("cells", &mut cells)?;
+        state.list("momenta", &mut momenta)?;
+        state.value("noted", &mut self.noted)?;
+        if !state.restores() {
+            return Ok(());
+        }
+        self.cells.clear();
+        self.listed.fill(0);
+        for (&cell, &j) in cells.iter().zip(&momenta) {
+            if cell as usize >= all || self.is_listed(cell) {
+                return state.unfit("the pinched cells of the state are none of this lattice");
+            }
+            self.list(cell);
+            self.cells.last_mut().expect("a cell was listed").j = j;
+        }
+        if momenta.len() != cells.len() || self.noted > cells.len() {
+            return state.unfit("the pinched cells of the state lack momenta");
+        }
+        Ok(())
     }
 
     fn is_listed(&self, cell: u32) -> bool {

@@ -7,18 +7,20 @@ use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use crate::solver::section_flux::{Crossing, Sight};
+use serde::{Deserialize, Serialize};
 use tremie_fluid_kit::cells::centres::Centres;
 use tremie_fluid_kit::probes::probe_plan::{ProbePlan, ProbeSum, SAMPLES_PER_ITEM};
 use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
 use tremie_fluid_kit::probes::sampling::samples;
 use tremie_messages::scene::{Probe, ProbeShape};
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// Fewer samples of a line than these are read one by one.
 const FEW: usize = 3;
 
 /// Mass that passes a section.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Passing {
     /// Of the last step that was looked at, and summed up since means began [a step].
     last: Option<f64>,
@@ -66,6 +68,20 @@ impl Probes {
             own.every = Some((share / SHARE_OF_SECTIONS).ceil().max(1.0) as u64);
         }
         own
+    }
+
+    /// Keeps the means that were begun, or puts them back.
+    ///
+    /// # Errors
+    /// A state of other probes.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let probes = self.passing.len();
+        state.value("passing", &mut self.passing)?;
+        state.value("looks", &mut self.looks)?;
+        match self.passing.len() == probes {
+            true => Ok(()),
+            false => state.unfit("the state is that of other probes"),
+        }
     }
 
     /// Looks at what passes sections at the end of a step, if it is their turn.

@@ -18,6 +18,7 @@ use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use tremie_fluid_kit::survey::mirrors::{mirrors_of_part, with_image};
 use tremie_messages::Load;
+use tremie_state::{StateError, StateExchange};
 
 /// Faces and static solids, and their links that need work.
 pub struct StaticBoundaries {
@@ -61,6 +62,21 @@ impl StaticBoundaries {
             exchanges: vec![MomentumExchange::default(); fixtures],
             mirrors: [[0.0; 3]; 6],
             impulses: vec![[0.0; 3]; fixtures],
+        }
+    }
+
+    /// Keeps what is owed and what was exchanged in the last step, or puts it back.
+    ///
+    /// # Errors
+    /// A state of other walls.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let fixtures = self.exchanges.len();
+        self.patches.exchange(&mut self.items, state)?;
+        state.value("exchanges", &mut self.exchanges)?;
+        state.array("on_mirrors", &mut self.mirrors)?;
+        match self.exchanges.len() == fixtures {
+            true => Ok(()),
+            false => state.unfit("the state is that of other walls"),
         }
     }
 

@@ -12,6 +12,7 @@
 
 use crate::lattice::units::Units;
 use tremie_messages::scene::{Reservoir, ReservoirMode};
+use tremie_state::{StateError, StateExchange};
 
 /// Part of the cylinder's length at which a piston has come too close to the face.
 pub const LEAST: f64 = 0.05;
@@ -49,6 +50,18 @@ impl Cylinder {
             literal: 0.0,
             reservoir: reservoir.clone(),
         }
+    }
+
+    /// Keeps piston and fluid, or puts them back.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("travel", &mut self.travel)?;
+        state.value("piston", &mut self.piston)?;
+        state.value("excess", &mut self.excess)?;
+        state.value("entered", &mut self.entered)?;
+        state.value("literal", &mut self.literal)
     }
 
     /// Length that is left [cells].

@@ -34,6 +34,7 @@ use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::{Face, Reservoir, Scene};
 use tremie_messages::start::SignalRow;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// Largest velocity at a face [cells a step]; the lattice fails soon beyond it.
@@ -243,6 +244,11 @@ impl<T: Real> FaceScheme<T> for ReservoirFace {
 
     fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice())
+    }
+
+    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("mean", &mut self.mean)?;
+        self.cylinder.exchange(state)
     }
 }
 

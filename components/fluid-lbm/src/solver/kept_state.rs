@@ -1,0 +1,65 @@
+//! The state of the fluid, kept and put back.
+//!
+//! Links, mouths of gaps, thickness and the cells around bodies follow from where bodies are and
+//! whose the cells are: they are found anew, and are the same.
+
+use crate::bodies::body_list::BodySite;
+use crate::lattice::collision_kernel::CollisionKernel;
+use crate::solver::lbm_solver::LbmSolver;
+use tremie_state::{StateError, StateExchange};
+
+impl<T: CollisionKernel> LbmSolver<T> {
+    /// Keeps all that the next steps depend on and the last one tells, or puts it back.
+    ///
+    /// # Errors
+    /// A state of another scene, or what cannot be kept: surfaces that deform, and bodies between
+    /// their event and the step after.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        if self.bodies.awaited.are_any() {
+            return state.unfit("surfaces that deform are not kept yet");
+        }
+        if self.bodies.list.come_or_go() {
+            return state.unfit("bodies come or go: the fluid is kept at the end of a step");
+        }
+        self.exchange_cells(state)?;
+        let Self { lattice, collision, bodies, walls, faces, gaps, .. } = self;
+        collision.exchange(state, &lattice.layout)?;
+        state.value("on_bodies", &mut bodies.total)?;
+        state.within("walls", |state| walls.exchange(state))?;
+        state.within("faces", |state| faces.exchange(state))?;
+        let cells = lattice.layout.cells.len();
+        state.within("gaps", |state| gaps.exchange(state, cells))?;
+        state.within("pinched", |state| self.pinched.exchange(state, cells))?;
+        state.within("budget", |state| self.budget.exchange(state, &self.lattice.units))?;
+        state.within("probes", |state| self.probes.exchange(state))?;
+        if state.restores() {
+            self.resume();
+        }
+        Ok(())
+    }
+
+    /// The bodies, and whose the cells are.
+    fn exchange_cells(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Self { lattice, bodies, exec, .. } = self;
+        let list = &mut bodies.list;
+        let site = BodySite {
+            units: &lattice.units,
+            layout: &lattice.layout,
+            line: T::LINE,
+            team: &mut exec.team,
+        };
+        state.within("bodies", |state| list.exchange(state, site))?;
+        state.within("cells", |state| lattice.exchange(state, |handle| list.is_alive(handle)))
+    }
+
+    /// Finds what follows from a state that was put back.
+    fn resume(&mut self) {
+        if self.bodies.list.had_any() {
+            self.list_items();
+        }
+        let Self { lattice, collision, bodies, gaps, exec, .. } = self;
+        bodies.list.note_sharing(lattice.flags.sharing());
+        gaps.resume(lattice, &bodies.list, exec);
+        bodies.find_links(lattice, gaps, &collision.requests, false, exec);
+    }
+}
