@@ -50,6 +50,11 @@ impl Placed {
         }
     }
 
+    /// Body that carries the section.
+    pub fn carrier(&self) -> BodyState {
+        self.carrier
+    }
+
     /// Writes the vertices of the section `points`, which change by `rates` [m/s].
     pub fn write(
         &self,

@@ -6,9 +6,11 @@ use crate::runtime::force::{EffectiveForce, Form};
 use crate::runtime::placed::Placed;
 use crate::runtime::step::{Impedance, Law, Outcome, Settled, Start, Step, StepError};
 use crate::table::{FacetKind, Surface, Table};
+use serde::{Deserialize, Serialize};
 use tremie_geometry::Vec3;
 use tremie_messages::scene::DeformableSurface;
 use tremie_messages::{BodyState, FacetLoad, Load, SurfaceVertex};
+use tremie_state::{KeepsState, StateError, StateExchange};
 
 /// Resistance that a fluid adds to a seal: ρ c for each area, and out of contact a mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +49,7 @@ pub enum SealError {
 }
 
 /// Readings of a seal at a window's end.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Readings {
     /// Compression [m].
     pub compression: f64,
@@ -111,7 +113,7 @@ pub struct Seal {
 struct Trial(Option<Step>);
 
 /// The fluid's loads through a window.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct FromFluid {
     /// Its part of the effective force [N].
     effective: f64,
@@ -121,7 +123,7 @@ struct FromFluid {
 }
 
 /// Passes of a window.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Passes {
     substeps: u32,
     all: u32,
@@ -401,6 +403,35 @@ impl Seal {
         }
         contacts.for_each(|load| self.pressing[load.facet as usize] = 0.0);
         peak
+    }
+}
+
+impl KeepsState for Seal {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        if self.trial.is_some() {
+            return state.unfit("a seal is kept at the end of a substep");
+        }
+        let mut carrier = self.placed.carrier();
+        state.value("carrier", &mut carrier)?;
+        state.value("settled", &mut self.settled)?;
+        state.value("begun", &mut self.begun)?;
+        state.value("answered", &mut self.answered)?;
+        state.array("rates", &mut self.rates)?;
+        state.value("of_fluid", &mut self.fluid)?;
+        state.value("passes", &mut self.passes)?;
+        state.value("readings", &mut self.readings)?;
+        if state.restores() {
+            let at = match self.table.bracket(self.settled.compression) {
+                Ok(at) => at,
+                Err(error) => return state.unfit(format!("the state of a seal: {error}")),
+            };
+            self.table.vertices_of_into(at, &self.outline, &mut self.points);
+            self.facets.shape(&self.surface, &self.points);
+            self.follow(&carrier);
+        }
+        Ok(())
     }
 }
 

@@ -15,6 +15,7 @@
 
 use crate::runtime::search::{Search, Slopes};
 use crate::table::{BeyondTable, Bracket, Table};
+use serde::{Deserialize, Serialize};
 
 /// The method's number η [N·s/m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +119,7 @@ pub enum Outcome {
 }
 
 /// The end of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settled {
     /// Compression [m].
     pub compression: f64,
