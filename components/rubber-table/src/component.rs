@@ -10,8 +10,8 @@ use tremie_sdk::messages::scene::{DeformableSurface, Scene};
 use tremie_sdk::messages::schedule::Content;
 use tremie_sdk::messages::start::{Assignment, Description, Signal};
 use tremie_sdk::messages::{BodyState, FacetLoad, Load, Problem, SurfaceVertex};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsRubber, ControlPipe, Rubber, Setup, SolverError};
-use tremie_state::{KeepsState, StateError, StateExchange};
 
 /// Seals behind the sdk's interface, in the scene's order.
 pub struct Seals {
@@ -56,6 +56,7 @@ impl Rubber for Seals {
             work: "vertices".into(),
             notes: pairs().map(|(surface, table)| note(surface, table)).collect(),
             resolution,
+            state: Some(Seal::STATE_VERSION),
             ..Description::default()
         })
     }
@@ -125,6 +126,13 @@ impl Rubber for Seals {
         }
     }
 
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        for (k, seal) in self.seals.iter_mut().enumerate() {
+            state.within(&format!("seal{k}"), |state| seal.exchange_state(state))?;
+        }
+        Ok(())
+    }
+
     fn signals(&mut self, values: &mut Vec<f64>) {
         for seal in &self.seals {
             let Readings { compression, rate, force, table_force, .. } = seal.readings();
@@ -137,17 +145,6 @@ impl Rubber for Seals {
 
     fn work(&self) -> u64 {
         self.seals.iter().map(|seal| seal.vertex_count() as u64).sum()
-    }
-}
-
-impl KeepsState for Seals {
-    const STATE_VERSION: u32 = Seal::STATE_VERSION;
-
-    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        for (k, seal) in self.seals.iter_mut().enumerate() {
-            state.within(&format!("seal{k}"), |state| seal.exchange_state(state))?;
-        }
-        Ok(())
     }
 }
 

@@ -19,6 +19,7 @@ use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
 /// The lattice fluid behind the sdk's interface.
@@ -115,6 +116,7 @@ impl Fluid for LbmComponent {
             memory: resolution.memory_bytes,
             warnings: resolution.warnings,
             resolution: numbers,
+            state: Some(LbmFluid::STATE_VERSION),
             ..Description::default()
         })
     }
@@ -191,6 +193,11 @@ impl Fluid for LbmComponent {
     fn ports(&mut self, ports: &mut [PortState]) -> Result<(), SolverError> {
         ports.copy_from_slice(self.fluid.ports());
         Ok(())
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        self.fluid.exchange_state(state)?;
+        state.value("part_loads", &mut self.parts)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
