@@ -7,12 +7,13 @@ mod common;
 use common::*;
 use std::f64::consts::PI;
 use tremie_fluid_lbm::{Collision, LbmFluid, OpenFaces, Precision, Refill};
+use tremie_geometry::Turned;
 use tremie_messages::scene::{
-    BodySet, Course, Diameters, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Inlet,
-    InletVelocity, Motion, OpenVelocity, Outflow, Placement, Probe, ProbeShape, Profile, Reservoir,
-    Scene, Shape, Sphere,
+    BodySet, Course, DeformableSurface, Diameters, Face, FacetKind, Gap, GapRegion, GapRule,
+    GapSide, GapWeight, Geometry, Inlet, InletVelocity, Motion, OpenVelocity, Outflow, Placement,
+    Pose, Probe, ProbeShape, Profile, Reservoir, Scene, Section, SectionEdge, Shape, Sphere,
 };
-use tremie_messages::{BodyEvent, BodyState, Load};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, SurfaceVertex};
 use tremie_state::{SavedState, StateError};
 use tremie_test_support::through_a_file;
 
@@ -23,6 +24,29 @@ struct Story {
     bodies: Vec<Guest>,
     /// Step from which on all bodies stand still.
     rest: u64,
+    ring: Option<Ring>,
+}
+
+/// A ring of rubber that its carrier lifts, and whose foot widens.
+struct Ring {
+    turned: Turned,
+    points: Vec<[f64; 2]>,
+    at: [f64; 3],
+}
+
+impl Ring {
+    fn vertices(&self, step: u64) -> Vec<SurfaceVertex> {
+        let (time, [x0, y0, z0]) = (step as f64, self.at);
+        let vertex = |[x, y, z]: [f64; 3]| {
+            let rate = 2e-3 * (1.6 - z) / 3.5;
+            let wider = 1.0 + rate * time;
+            SurfaceVertex {
+                position: [x0 + wider * x, y0 + wider * y, z0 + z + 0.02 * time],
+                velocity: [rate * x, rate * y, 0.02],
+            }
+        };
+        self.turned.places(&self.points).into_iter().map(|place| vertex(place.into())).collect()
+    }
 }
 
 /// A body.
@@ -82,6 +106,9 @@ impl Story {
                 }
             }
             fluid.apply_events(&events).unwrap();
+            if let Some(ring) = &self.ring {
+                fluid.set_surfaces(&ring.vertices(step.min(self.rest))).unwrap();
+            }
             let there = self.bodies.iter().filter(|guest| guest.is_there(step));
             let mut states: Vec<_> = there.map(|guest| guest.state(step.min(self.rest))).collect();
             if step > self.rest {
@@ -95,13 +122,35 @@ impl Story {
             }
             assert!(fluid.diagnostics().max_mach < 0.3, "step {step}");
             let mut told = bits(loads);
-            told.extend(report(fluid));
+            told.extend(self.report(fluid));
             all.push(told);
             if step % 8 == 7 {
                 fluid.restart_means();
             }
         }
         all
+    }
+
+    /// All that the fluid tells after a step.
+    fn report(&self, fluid: &mut LbmFluid) -> Vec<u64> {
+        let mut on_parts = Vec::new();
+        fluid.loads_on_parts(&mut on_parts);
+        let mut told = bits(on_parts);
+        let mut values: Vec<f64> = fluid.wall_forces().into_iter().flatten().flatten().collect();
+        fluid.probes(&mut values);
+        values.extend(fluid.ports().iter().map(|port| port.velocity));
+        let mut reservoirs = Vec::new();
+        fluid.reservoirs(&mut reservoirs);
+        values.extend(reservoirs.iter().flat_map(|reservoir| reservoir.values()));
+        let facets = self.ring.as_ref().map_or(0, |ring| ring.turned.triangles.len());
+        let mut on_facets = vec![FacetLoad::default(); facets];
+        fluid.surface_loads(&mut on_facets);
+        values.extend(on_facets.iter().flat_map(|load| load.force.into_iter().chain(load.point)));
+        told.extend(values.into_iter().map(f64::to_bits));
+        // These print as many digits as tell them apart.
+        let counts = format!("{:?} {:?}", fluid.ledger(), fluid.diagnostics());
+        told.extend(counts.bytes().map(u64::from));
+        told
     }
 
     /// Stops after some steps and goes on from the file, to the last step.
@@ -114,7 +163,7 @@ impl Story {
             self.go(&mut first, 0..=stop);
             let mut second = self.begin(2);
             through_a_file(&mut first, &mut second);
-            assert!(report(&mut second) == report(&mut first), "at step {stop}");
+            assert!(self.report(&mut second) == self.report(&mut first), "at step {stop}");
             let again = SavedState::of(&mut second).unwrap();
             let kept = SavedState::of(&mut first).unwrap();
             assert_eq!(again.first_difference(&kept), None, "at step {stop}");
@@ -133,24 +182,6 @@ fn bits(loads: Vec<Load>) -> Vec<u64> {
         .flat_map(|load| load.force.into_iter().chain(load.torque))
         .map(f64::to_bits)
         .collect()
-}
-
-/// All that the fluid tells after a step.
-fn report(fluid: &mut LbmFluid) -> Vec<u64> {
-    let mut on_parts = Vec::new();
-    fluid.loads_on_parts(&mut on_parts);
-    let mut told = bits(on_parts);
-    let mut values: Vec<f64> = fluid.wall_forces().into_iter().flatten().flatten().collect();
-    fluid.probes(&mut values);
-    values.extend(fluid.ports().iter().map(|port| port.velocity));
-    let mut reservoirs = Vec::new();
-    fluid.reservoirs(&mut reservoirs);
-    values.extend(reservoirs.iter().flat_map(|reservoir| reservoir.values()));
-    told.extend(values.into_iter().map(f64::to_bits));
-    // These print as many digits as tell them apart.
-    let counts = format!("{:?} {:?}", fluid.ledger(), fluid.diagnostics());
-    told.extend(counts.bytes().map(u64::from));
-    told
 }
 
 fn probe(name: &str, shape: ProbeShape) -> Probe {
@@ -230,7 +261,7 @@ fn channel(precision: Precision) -> Story {
             Guest { steps, ..Guest::new(added(id as u64, 1.7), at, [0.0, 0.01, 0.02]) },
         );
     }
-    Story { case, scene, bodies, rest: u64::MAX }
+    Story { case, scene, bodies, rest: u64::MAX, ring: None }
 }
 
 #[test]
@@ -285,7 +316,7 @@ fn heap() -> Story {
     bodies[0].spin = [0.0, 0.004, 0.0];
     bodies[1].spin = [0.0, 0.004, 0.0];
     bodies[4].spin = [0.003, 0.0, 0.002];
-    Story { case, scene, bodies, rest: 61 }
+    Story { case, scene, bodies, rest: 61, ring: None }
 }
 
 #[test]
@@ -315,7 +346,7 @@ fn behind_pistons() -> Story {
         Guest { steps: [7, 60], ..Guest::new(added(2, 1.9), [3.3, 6.4, 6.1], [0.04, 0.0, 0.01]) },
         Guest { steps: [26, 60], ..Guest::new(added(3, 1.9), [18.3, 6.4, 4.1], [0.02, 0.0, 0.0]) },
     ];
-    Story { case, scene, bodies, rest: u64::MAX }
+    Story { case, scene, bodies, rest: u64::MAX, ring: None }
 }
 
 #[test]
@@ -358,7 +389,7 @@ fn slot(
         Guest::new(added(2, 1.3), [24.2, 3.3, 2.6], [-0.06, 0.01, 0.0]),
         Guest { spin: [0.0, 3e-4, 0.0], ..plate },
     ];
-    Story { case, scene, bodies, rest: u64::MAX }
+    Story { case, scene, bodies, rest: u64::MAX, ring: None }
 }
 
 /// Numbers of frozen cells after each step.
@@ -403,6 +434,55 @@ fn a_slot_that_closes() {
     story.check(&[40], 80);
     let frozen = frozen(&story, 80);
     assert!(frozen[45] == 0, "{frozen:?}");
+}
+
+/// A ring on its carrier over a floor, in whose gap walls slip, and a sphere that nearly touches it.
+fn ring() -> Story {
+    let mut case = Case::new([26, 26, 16], [WALL, WALL, WALL], 0.51);
+    case.average_force = true;
+    case.refill = Refill::Mass;
+    case.velocity = [0.01, 0.005, 0.0];
+    let mut scene = case.scene();
+    scene.parts.push(moving("carrier", Geometry::Cylinder { radius: 8.1, length: 3.0 }));
+    let points = vec![[4.0, -1.7], [8.2, -1.9], [8.0, 1.6], [4.2, 1.6]];
+    let edge = |k: u32| SectionEdge { points: [k, (k + 1) % 4], kind: FacetKind::Exposed };
+    let surface = DeformableSurface {
+        name: "seal".into(),
+        carrier: "carrier".into(),
+        table: "seal.json".into(),
+        pose: Pose::IDENTITY,
+        sectors: 30,
+        material: "wall".into(),
+        seat_stiffness: 1.0,
+        start: Default::default(),
+        section: Section { points: points.clone(), edges: (0..4).map(edge).collect() },
+    };
+    let turned = Turned::of(&surface);
+    scene.surfaces.push(surface);
+    scene.gaps.push(Gap {
+        name: "foot".into(),
+        between: [GapSide::Part("seal".into()), GapSide::Face { axis: 2, side: 0 }],
+        open_at: 2.0,
+        close_at: 0.5,
+        pressure: GapRule::Nearest,
+        slip_below: 4.0,
+        region: None,
+    });
+    let bodies = vec![
+        Guest::new(added_part(1, 0), [13.0, 13.0, 6.7], [0.0, 0.0, 0.02]),
+        Guest::new(added(5, 2.0), [23.2, 13.0, 4.0], [-0.01, 0.0, 0.0]),
+        Guest { steps: [10, 30], ..Guest::new(added(6, 1.5), [13.0, 13.0, 3.0], [0.0, 0.01, 0.0]) },
+    ];
+    let ring = Some(Ring { turned, points, at: [13.0, 13.0, 3.6] });
+    Story { case, scene, bodies, rest: 62, ring }
+}
+
+#[test]
+fn a_ring_that_deforms() {
+    let story = ring();
+    story.check(&[0, 17, 64], 70);
+    let frozen = frozen(&story, 30);
+    assert!(frozen[0] > 0 && frozen[30] == 0, "{frozen:?}");
 }
 
 #[test]

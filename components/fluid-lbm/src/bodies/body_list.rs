@@ -81,9 +81,21 @@ impl Bodies {
 
     /// Adds deformable surfaces, once.
     pub fn add_softs(&mut self, softs: Vec<SoftSurface>, parts: Vec<MeshBody>, grid: &Grid) {
+        let handles: Vec<u32> = softs.iter().map(|_| self.new_handle()).collect();
+        self.place_softs(softs, parts, &handles, grid);
+        self.changed = true;
+    }
+
+    /// Adds them with these handles, which nobody else has.
+    pub fn place_softs(
+        &mut self,
+        softs: Vec<SoftSurface>,
+        parts: Vec<MeshBody>,
+        handles: &[u32],
+        grid: &Grid,
+    ) {
         let first = u64::MAX - softs.len() as u64;
-        for (k, mut part) in (1..).zip(parts) {
-            let handle = self.new_handle();
+        for (k, (mut part, &handle)) in (1..).zip(parts.into_iter().zip(handles)) {
             let position = grid.canonical(part.reference());
             part.place(position, [0.0, 0.0, 0.0, 1.0]);
             let (radius, part) = (part.radius(), Some(Box::new(part)));
@@ -93,7 +105,6 @@ impl Bodies {
         }
         self.softs = softs;
         self.renumber();
-        self.changed = true;
     }
 
     /// Number of the living but for deformable surfaces.
@@ -197,30 +208,62 @@ impl Bodies {
         body
     }
 
-    /// Keeps the rigid bodies, or puts them back with their cells.
+    /// Keeps the rigid bodies, or puts them back with their cells. Returns the handles of surfaces
+    /// that deform, which [`Bodies::place_softs`] is to give back to them.
     ///
     /// # Errors
     /// Bodies that the scene does not have.
     pub fn exchange(
         &mut self,
         state: &mut StateExchange<'_>,
-        site: BodySite<'_>,
-    ) -> Result<(), StateError> {
+        site: &mut BodySite<'_>,
+    ) -> Result<Vec<u32>, StateError> {
         let sets = self.came.len();
+        let mut of_softs: Vec<_> =
+            self.living[self.rigid()..].iter().map(|body| body.handle).collect();
         let mut kept: Vec<_> = self.living.iter().filter_map(KeptBody::of).collect();
         state.value("living", &mut kept)?;
+        state.list("handles_of_surfaces", &mut of_softs)?;
         state.list("free_handles", &mut self.free)?;
         state.value("came", &mut self.came)?;
-        if !state.restores() {
-            return Ok(());
+        if state.restores() {
+            if let Err(error) = self.check_kept(&kept, site) {
+                state.unfit(format!("a body of the state is not the scene's: {error}"))?;
+            }
+            if !self.have_handles(&kept, &of_softs) || self.came.len() != sets {
+                state.unfit("the bodies of the state are not those of one scene")?;
+            }
+            self.put_back(&kept, of_softs.len(), site);
         }
-        if let Err(error) = self.check_kept(&kept, &site) {
-            return state.unfit(format!("a body of the state is not the scene's: {error}"));
+        Ok(of_softs)
+    }
+
+    /// Keeps the surfaces that deform, or puts them back with their cells.
+    ///
+    /// # Errors
+    /// A state of other surfaces.
+    pub fn exchange_softs(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        site: &mut BodySite<'_>,
+    ) -> Result<(), StateError> {
+        let mut places: Vec<_> = self.vertices.iter().map(|vertex| vertex.position).collect();
+        let mut velocities: Vec<_> = self.vertices.iter().map(|vertex| vertex.velocity).collect();
+        state.list("places", &mut places)?;
+        state.list("velocities", &mut velocities)?;
+        if state.restores() {
+            let expected = self.softs.last().map_or(0, |soft| soft.vertices().end);
+            if [places.len(), velocities.len()] != [expected; 2] {
+                return state.unfit("the vertices of the state are not those of its surfaces");
+            }
+            let vertex = |(position, velocity)| SurfaceVertex { position, velocity };
+            self.vertices = places.into_iter().zip(velocities).map(vertex).collect();
         }
-        if !self.have_handles(&kept) || self.came.len() != sets {
-            return state.unfit("the bodies of the state are not those of one scene");
+        let first = self.rigid();
+        let (grid, team) = (&site.layout.grid, &mut *site.team);
+        for (k, body) in self.living[first..].iter_mut().enumerate() {
+            state.within(&format!("{k}"), |state| body.exchange_shape(state, grid, team))?;
         }
-        self.put_back(&kept, site);
         Ok(())
     }
 
@@ -237,25 +280,25 @@ impl Bodies {
     }
 
     /// True if each handle is one body's or free, and the bodies are sorted by id.
-    fn have_handles(&self, kept: &[KeptBody]) -> bool {
+    fn have_handles(&self, kept: &[KeptBody], of_softs: &[u32]) -> bool {
         let mut handles: Vec<u32> = kept.iter().map(|body| body.handle).collect();
-        handles.extend_from_slice(&self.free);
+        handles.extend(self.free.iter().chain(of_softs));
         handles.sort_unstable();
         handles.iter().copied().eq(0..handles.len() as u32)
             && kept.is_sorted_by(|a, b| a.event.id < b.event.id)
             && kept.iter().all(|body| body.event.kind == BodyEvent::ADDED)
     }
 
-    /// Makes the bodies of a state that was checked.
-    fn put_back(&mut self, kept: &[KeptBody], site: BodySite<'_>) {
+    /// Makes the rigid bodies of a state that was checked, beside so many surfaces.
+    fn put_back(&mut self, kept: &[KeptBody], softs: usize, site: &mut BodySite<'_>) {
         let BodySite { units, layout, line, team } = site;
         self.living.clear();
         for kept in kept {
             let mut body = self.body(&kept.event, kept.handle, units, layout);
-            kept.put_back(&mut body, layout, line, team);
+            kept.put_back(&mut body, layout, *line, team);
             self.living.push(body);
         }
-        self.places = vec![0; kept.len() + self.free.len()];
+        self.places = vec![0; kept.len() + softs + self.free.len()];
         self.renumber();
     }
 

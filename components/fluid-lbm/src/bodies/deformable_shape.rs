@@ -11,6 +11,7 @@ use crate::lattice::ledger::add_scaled;
 use crate::lattice::units::Units;
 use tremie_geometry::{Mesh, Surface};
 use tremie_messages::SurfaceVertex;
+use tremie_state::{StateError, StateExchange};
 
 /// Of no facet.
 pub const NO_FACET: u32 = u32::MAX;
@@ -136,6 +137,19 @@ impl DeformableShape {
         }
         self.has_velocity = true;
         farthest > step * step
+    }
+
+    /// Keeps vertices and loads as the last step left them, or puts them back.
+    ///
+    /// # Errors
+    /// A state of another surface.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.array("now", &mut self.now)?;
+        state.array("given", &mut self.given)?;
+        state.array("loads", self.loads.as_flattened_mut())?;
+        state.array("carried", self.carried.as_flattened_mut())?;
+        self.has_velocity |= state.restores();
+        Ok(())
     }
 
     /// Links are found where vertices are now.

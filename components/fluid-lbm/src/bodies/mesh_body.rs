@@ -19,6 +19,7 @@ use tremie_fluid_kit::survey::displaced_volume::{Displaced, window};
 use tremie_geometry::{Bounds, Endless, Frame, Row, Surface};
 use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::Pose;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 pub use self::link_intersections::NearFacets;
@@ -119,6 +120,39 @@ impl MeshBody {
         let far = (lead, self.rounding.step);
         let moved = shape.take(vertices, reference, far, &self.surface, units);
         moved || self.searches == 0
+    }
+
+    /// Keeps a deformable surface, or puts it back with its cells.
+    ///
+    /// # Errors
+    /// A state of another surface.
+    pub fn exchange_shape(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        grid: &Grid,
+        team: &mut Team,
+    ) -> Result<(), StateError> {
+        // The vertices at which cells and links were found.
+        let vertices = self.surface.mesh().vertices.iter();
+        let mut found: Vec<[f64; 3]> = vertices.map(|&vertex| vertex.into()).collect();
+        state.array("found", &mut found)?;
+        // They grew with the surface, and links are cut into items by them.
+        let mut sides = [self.now.size[0], self.previous.size[0]];
+        state.array("sides", &mut sides)?;
+        let Some(shape) = &mut self.shape else { return Ok(()) };
+        if state.restores() {
+            let longest = grid.n.into_iter().fold(8, i32::max);
+            let fit = sides.iter().all(|side| (1..=8 * longest).contains(side));
+            if !fit || !found.iter().flatten().all(|x| x.is_finite()) {
+                return state.unfit("a surface of the state does not fit the scene");
+            }
+            shape.now.copy_from_slice(&found);
+            // Finding the cells has the two change places.
+            let [now, previous] = sides.map(|side| Cover::new(side, [0; 3]));
+            (self.now, self.previous) = (previous, now);
+            self.cover(grid, team);
+        }
+        self.shape.as_mut().map_or(Ok(()), |shape| shape.exchange(state))
     }
 
     /// Takes a deformable surface to where its vertices are.

@@ -6,18 +6,16 @@
 use crate::bodies::body_list::BodySite;
 use crate::lattice::collision_kernel::CollisionKernel;
 use crate::solver::lbm_solver::LbmSolver;
+use crate::solver::moving_bodies::MovingBodies;
 use tremie_state::{StateError, StateExchange};
 
 impl<T: CollisionKernel> LbmSolver<T> {
     /// Keeps all that the next steps depend on and the last one tells, or puts it back.
     ///
     /// # Errors
-    /// A state of another scene, or what cannot be kept: surfaces that deform, and bodies between
-    /// their event and the step after.
+    /// A state of another scene, or what cannot be kept: bodies between their event and the step
+    /// after.
     pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        if self.bodies.awaited.are_any() {
-            return state.unfit("surfaces that deform are not kept yet");
-        }
         if self.bodies.list.come_or_go() {
             return state.unfit("bodies come or go: the fluid is kept at the end of a step");
         }
@@ -40,15 +38,21 @@ impl<T: CollisionKernel> LbmSolver<T> {
 
     /// The bodies, and whose the cells are.
     fn exchange_cells(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        let Self { lattice, bodies, exec, .. } = self;
-        let list = &mut bodies.list;
-        let site = BodySite {
+        let Self { lattice, bodies: MovingBodies { list, awaited, .. }, exec, .. } = self;
+        let mut site = BodySite {
             units: &lattice.units,
             layout: &lattice.layout,
             line: T::LINE,
             team: &mut exec.team,
         };
-        state.within("bodies", |state| list.exchange(state, site))?;
+        let mut handles = Vec::new();
+        state.within("bodies", |state| {
+            handles = list.exchange(state, &mut site)?;
+            Ok(())
+        })?;
+        state.within("surfaces", |state| {
+            awaited.exchange(state, (&mut *list, &handles), &mut site)
+        })?;
         state.within("cells", |state| lattice.exchange(state, |handle| list.is_alive(handle)))
     }
 

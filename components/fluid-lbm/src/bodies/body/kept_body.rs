@@ -4,7 +4,9 @@ use super::{Body, UnionShare};
 use crate::bodies::mass_account::MassAccount;
 use crate::lattice::layout::Layout;
 use serde::{Deserialize, Serialize};
+use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::BodyEvent;
+use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
 /// All that the next steps of a body depend on. Its cells and links follow from that.
@@ -79,5 +81,27 @@ impl KeptBody {
             body.shell.cover(&layout.grid, &body.spans);
             body.find_lines(line);
         }
+    }
+}
+
+impl Body {
+    /// Keeps a surface that deforms, or puts it back with its cells.
+    ///
+    /// # Errors
+    /// A state of another surface.
+    pub fn exchange_shape(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        grid: &Grid,
+        team: &mut Team,
+    ) -> Result<(), StateError> {
+        state.value("account", &mut self.account)?;
+        let Some(part) = &mut self.part else { return Ok(()) };
+        part.exchange_shape(state, grid, team)?;
+        if state.restores() {
+            self.radius = part.radius();
+            self.placed = true;
+        }
+        Ok(())
     }
 }
