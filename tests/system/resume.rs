@@ -1,9 +1,10 @@
 //! Runs that go on from a checkpoint: to the bits of a run that nothing interrupted, whatever ended
 //! them.
 
+use crate::inlets::STREAM;
 use crate::profiles::SHOWER;
 use crate::running::{Running, until};
-use crate::tremie::{Ran, left_nothing, run, run_text, small_with_fluid, tremie};
+use crate::tremie::{Ran, SMALL, left_nothing, run, run_text, small_with_fluid, tremie};
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
@@ -51,11 +52,8 @@ fn assert_same(one: &Path, other: &Path) {
     let line = a.lines().zip(b.lines()).position(|(a, b)| a != b);
     assert_eq!(line, None, "the tables differ from this line on");
     assert_eq!(a.lines().count(), b.lines().count());
-    // On a slow disk one may be passed over.
-    let both: Vec<_> =
-        checkpoints(one).into_iter().filter(|name| checkpoints(other).contains(name)).collect();
-    assert!(!both.is_empty());
-    for name in both.iter().map(|name| PathBuf::from("checkpoints").join(name)) {
+    assert_eq!(checkpoints(one), checkpoints(other));
+    for name in checkpoints(one).iter().map(|name| PathBuf::from("checkpoints").join(name)) {
         for entry in std::fs::read_dir(one.join(&name)).unwrap() {
             let file = entry.unwrap().file_name().to_string_lossy().into_owned();
             if file.ends_with(".npz") && file != "orchestrator.npz" {
@@ -101,6 +99,16 @@ fn a_gas_and_hard_spheres_go_on_on_another_number_of_threads() {
     let shock = |options: &[&str]| run(SHOCK, options);
     assert_resumes(shock, (6, "fluid:exit@11"), &one, &two);
     assert_resumes(shock, (3, "grains:drop@17"), &["--schedule", "parallel"], &[]);
+}
+
+#[test]
+fn a_lattice_with_grains_that_come_and_go_goes_on() {
+    let small = |options: &[&str]| run_text(SMALL, options);
+    assert_resumes(small, (7, "fluid:kill@30"), &[], &["--in-process"]);
+    let stream = |options: &[&str]| run_text(STREAM, options);
+    for schedule in ["serial", "parallel"] {
+        assert_resumes(stream, (9, "grains:nan@40"), &["--schedule", schedule], &[]);
+    }
 }
 
 #[test]
@@ -201,4 +209,48 @@ fn a_run_with_a_program_that_keeps_no_state_says_so() {
     assert!(said.contains("keeps no state: the run cannot be resumed"), "{said}");
     let said = String::from_utf8_lossy(&resume(&ran.out, &[]).stderr).into_owned();
     assert!(said.contains("holds no checkpoint"), "{said}");
+}
+
+/// A fluid that a force makes too fast for its lattice, at the same window in every try.
+const TOO_FAST: &str = r#"
+[run]
+until = "2 s"
+checkpoints = { windows = 5 }
+
+[scene]
+
+[scene.domain]
+size = ["8 mm", "8 mm", "8 mm"]
+x = "periodic"
+
+[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "1e-3 Pa s"
+acceleration = ["4 m/s2", "0 m/s2", "0 m/s2"]
+expected_speed = "0.05 m/s"
+
+[components]
+fluid = "fluid-lbm"
+
+[settings.fluid-lbm]
+cell = "0.5 mm"
+
+[outputs]
+record = false
+"#;
+
+#[test]
+fn a_run_goes_on_by_itself_after_a_fault_unless_the_window_fails_again() {
+    let shock = ["--set", "run.checkpoints.windows=6", "--restart-on-fault", "2"];
+    let all = [&QUIET[..], &shock].concat();
+    let broken = run(SHOCK, &[&all[..], &["--inject", "grains:kill@15"]].concat()).succeeded();
+    let whole = run(SHOCK, &all).succeeded();
+    assert_eq!(broken.signals_text(), whole.signals_text());
+    left_nothing(&broken.summary(), broken.ended, "restarted");
+
+    let hopeless = run_text(TOO_FAST, &["--restart-on-fault", "9"]);
+    assert_eq!(hopeless.code(), Some(1));
+    let said = hopeless.errors();
+    assert!(said.contains("failed twice: the run is given up"), "{said}");
+    assert_eq!(said.matches("goes on by itself").count(), 1, "{said}");
 }

@@ -177,6 +177,10 @@ pub struct RunArgs {
     /// for ui.perfetto.dev
     #[arg(long, value_name = "FROM-TO", num_args = 0..=1, require_equals = true, default_missing_value = "0-5000", value_parser = parse_windows)]
     pub trace: Option<RangeInclusive<u64>>,
+    /// After a fault go on from the newest checkpoint by itself, so many times at most; a window that fails
+    /// twice ends the run
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub restart_on_fault: u32,
     /// Make a component commit a fault, to see it caught: grains:drop@17
     #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
     pub inject: Vec<(String, Injection)>,
@@ -202,6 +206,10 @@ pub struct ResumeArgs {
     /// Run the components as threads of one process
     #[arg(long)]
     pub in_process: bool,
+    /// After a fault go on from the newest checkpoint by itself, so many times at most; a window that fails
+    /// twice ends the run
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub restart_on_fault: u32,
     /// Say nothing but errors and the last line
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,

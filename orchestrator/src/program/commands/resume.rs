@@ -1,6 +1,6 @@
 //! `tremie resume`: goes on with a run from a checkpoint.
 
-use super::run::{Shown, add_observers, carry_out};
+use super::run::{RunOrder, add_observers, carry_out};
 use super::{WRONG_INPUT, refuse, refuse_text};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{RunFolder, WholeCheckpoint};
@@ -39,10 +39,16 @@ pub fn resume(arguments: &ResumeArgs) -> ExitCode {
     }
     add_observers(&mut manifest, &arguments.view);
     let execution = Execution { in_process: arguments.in_process, ..Execution::default() };
-    let shown = Shown { view: &arguments.view, is_quiet: arguments.quiet };
     let programs = from.record.programs.clone();
+    let order = RunOrder {
+        manifest: &manifest,
+        programs: &programs,
+        view: &arguments.view,
+        is_quiet: arguments.quiet,
+        restarts: arguments.restart_on_fault,
+    };
     let claim = || RunFolder::reclaim(&arguments.out);
-    match carry_out(&manifest, &programs, &execution, Some(&from), shown, &mut terminal, claim) {
+    match carry_out(&order, execution, Some(from), &mut terminal, claim) {
         Ok(code) => code,
         Err(error) => refuse(&error, &manifest, arguments.json, &mut terminal),
     }

@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use tremie_messages::Verdict;
+use tremie_messages::start::FaultKind;
 
 /// `tremie check`: everything up to the plan, and the findings on its numbers.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
@@ -83,27 +84,34 @@ fn run_checked(
         ..Execution::default()
     };
     let folder = folder_of(&arguments.manifest.manifest);
-    let show = Shown { view: &arguments.view, is_quiet: arguments.manifest.quiet };
-    carry_out(manifest, &folder, &execution, None, show, terminal, || {
-        RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)
-    })
+    let order = RunOrder {
+        manifest,
+        programs: &folder,
+        view: &arguments.view,
+        is_quiet: arguments.manifest.quiet,
+        restarts: arguments.restart_on_fault,
+    };
+    let claim = || RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest);
+    carry_out(&order, execution, None, terminal, claim)
 }
 
-/// What the user sees of a run.
-#[derive(Clone, Copy)]
-pub(super) struct Shown<'a> {
+/// A run as its user orders it.
+pub(super) struct RunOrder<'a> {
+    pub manifest: &'a Manifest,
+    /// Folder in which programs are looked for first.
+    pub programs: &'a Path,
     pub view: &'a View,
     pub is_quiet: bool,
+    /// Most times that it goes on by itself after a fault.
+    pub restarts: u32,
 }
 
 /// Carries out a run from its begin, or `from` a checkpoint on, with its outputs in the folder that
-/// `claim` gives. Programs are looked for in `folder` first.
+/// `claim` gives; goes on after faults as often as its user wants it.
 pub(super) fn carry_out(
-    manifest: &Manifest,
-    folder: &Path,
-    execution: &Execution,
-    from: Option<&WholeCheckpoint>,
-    shown: Shown<'_>,
+    order: &RunOrder<'_>,
+    mut execution: Execution,
+    mut from: Option<WholeCheckpoint>,
     terminal: &mut Terminal,
     claim: impl FnOnce() -> Result<RunFolder, OutputError>,
 ) -> Result<ExitCode, RunError> {
@@ -111,18 +119,73 @@ pub(super) fn carry_out(
     if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
         terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
     }
-    if execution.in_process && !shown.is_quiet {
+    if execution.in_process && !order.is_quiet {
         show_logs_of_threads();
     }
     let interrupts = count_interrupts().map_err(RunError::Signals)?;
     let mut out = claim()?;
-    let prepared = prepare(manifest, folder, out.path(), execution, &interrupts)?;
+    let mut failed_at = None;
+    for restarts_left in (0..=order.restarts).rev() {
+        let mut ended =
+            carry_out_once(order, &execution, from.as_ref(), terminal, (&mut out, &interrupts))?;
+        let restart = restart(&ended.summary, &mut failed_at, out.path(), terminal);
+        let wanted = restarts_left > 0 && interrupts.load(Ordering::Relaxed) == 0;
+        if let Some(checkpoint) = restart.filter(|_| wanted) {
+            ended.close();
+            let window = checkpoint.record.window;
+            terminal.say(&format!("goes on by itself from window {window}"));
+            // A fault that was committed on purpose belongs to the first try.
+            execution.inject.clear();
+            out = RunFolder::reclaim(out.path())?;
+            from = Some(checkpoint);
+            continue;
+        }
+        if *order.view == View::Web {
+            linger(&mut ended, terminal, &interrupts);
+        }
+        return Ok(ExitCode::from(ended.close().ending.exit_code()));
+    }
+    unreachable!("the last round returns")
+}
+
+/// The checkpoint from which a run that failed may go on by itself; `None` if it did not fail, or would
+/// fail again: at the window of the fault before, or because an output cannot be written.
+fn restart(
+    summary: &Summary,
+    failed_at: &mut Option<u64>,
+    out: &Path,
+    terminal: &Terminal,
+) -> Option<WholeCheckpoint> {
+    let Ending::Failed { fault } = &summary.ending else { return None };
+    if fault.kind == FaultKind::Output || summary.checkpoint.is_none() {
+        return None;
+    }
+    if failed_at.replace(fault.window) == Some(fault.window) {
+        terminal.warn(&format!("window {} failed twice: the run is given up", fault.window));
+        return None;
+    }
+    WholeCheckpoint::find(out, None).map_err(|error| terminal.warn(&error.to_string())).ok()
+}
+
+/// Carries out a run once, to its end.
+fn carry_out_once(
+    order: &RunOrder<'_>,
+    execution: &Execution,
+    from: Option<&WholeCheckpoint>,
+    terminal: &mut Terminal,
+    (out, interrupts): (&mut RunFolder, &AtomicUsize),
+) -> Result<Ended, RunError> {
+    let RunOrder { manifest, programs, .. } = *order;
+    let prepared = prepare(manifest, programs, out.path(), execution, interrupts)?;
     // Before the plan is shown: a machine that is too small ends the run here.
     if let Err(error) = prepared.fits(execution) {
         prepared.dismiss();
         return Err(error);
     }
-    show_plan(manifest, &prepared, terminal);
+    // Its user has seen the plan of a run that goes on.
+    if from.is_none() || terminal.speaks_json() {
+        show_plan(manifest, &prepared, terminal);
+    }
     // Findings beyond these come from the run's signals, and are shown at its end.
     let known = prepared.findings.len();
     terminal.say(&match from {
@@ -136,24 +199,20 @@ pub(super) fn carry_out(
     });
     let executed = prepared.execute(RunCall {
         manifest,
-        out: &mut out,
+        out,
         execution,
         terminal,
-        interrupts: &interrupts,
-        programs: folder,
+        interrupts,
+        programs,
         from,
     });
     // An error, unlike a fault, means that no window was made: its files are of no use.
     if executed.is_err() && from.is_none() {
         out.clear();
     }
-    let mut ended = executed?;
+    let ended = executed?;
     tell_end(&ended.summary, known, out.path(), terminal);
-    if *shown.view == View::Web {
-        linger(&mut ended, terminal, &interrupts);
-    }
-    let summary = ended.close();
-    Ok(ExitCode::from(summary.ending.exit_code()))
+    Ok(ended)
 }
 
 /// Tells what the observers wrote, findings beyond the `known` ones, and how the run ended.

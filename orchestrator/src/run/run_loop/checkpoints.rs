@@ -85,11 +85,14 @@ impl CheckpointKeeping {
         by_time || self.when.windows.is_some_and(by_windows)
     }
 
-    /// The last window that may be granted before the next checkpoint by windows begins: it is made at
-    /// the same windows in every run.
+    /// The last window that may be granted before the next checkpoint by windows begins. Such checkpoints
+    /// are made at the same windows in every run: where the disk is too slow for them, the run waits.
     fn last_before(&self, granted: u64) -> u64 {
-        let windows = self.when.windows.filter(|_| self.are_wanted() && self.under_way.is_none());
-        windows.map_or(u64::MAX, |windows| granted / windows * windows + windows - 1)
+        let Some(windows) = self.when.windows.filter(|_| self.are_wanted()) else {
+            return u64::MAX;
+        };
+        let begun = self.under_way.as_ref().map_or(0, |under_way| under_way.folder.window());
+        granted.max(begun) / windows * windows + windows - 1
     }
 }
 
