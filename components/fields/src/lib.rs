@@ -55,6 +55,11 @@
 //! leaves can be opened. The end of a run removes what lies beyond its last common window. No file
 //! depends on the wall clock or the run's id: identical runs give identical bytes.
 //!
+//! # Checkpoints
+//!
+//! The state lists the moments of each series. A run that goes on from it needs their files, removes
+//! later ones, and writes the collections anew: it ends with the files of a run without interruption.
+//!
 //! # Size
 //!
 //! 17 bytes a node and 144 a body, less what compression saves (LZ4, which VTK reads since version
@@ -67,6 +72,7 @@ mod document;
 mod encode;
 mod parameters;
 mod parts;
+mod resumption;
 mod rubber;
 mod series;
 mod solids;

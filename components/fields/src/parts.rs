@@ -7,6 +7,7 @@ use tremie_messages::BodyEvent;
 use tremie_messages::frame::BodySample;
 use tremie_messages::scene::{Part, Pose};
 use tremie_sdk::Moment;
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 
 /// The parts of a scene.
 pub struct Parts {
@@ -80,7 +81,31 @@ impl Parts {
     }
 }
 
+impl KeepsState for Parts {
+    const STATE_VERSION: u32 = 1;
+
+    /// Where the parts were: whether they moved since is seen from that.
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let parts = &mut self.parts;
+        state.column(
+            "position",
+            parts,
+            |part| part.pose.position,
+            |part, x| part.pose.position = x,
+        )?;
+        let (get, set) = (|part: &Placed| part.pose.orientation, Placed::turn);
+        state.column("orientation", parts, get, set)?;
+        state.column("velocity", parts, |part| part.velocity, |part, v| part.velocity = v)?;
+        let get = |part: &Placed| part.angular_velocity;
+        state.column("angular_velocity", parts, get, |part, w| part.angular_velocity = w)
+    }
+}
+
 impl Placed {
+    fn turn(&mut self, orientation: [f64; 4]) {
+        self.pose.orientation = orientation;
+    }
+
     fn points(&self) -> impl Iterator<Item = f64> {
         let frame = Frame::of(&self.pose);
         self.mesh.vertices.iter().flat_map(move |vertex| <[f64; 3]>::from(frame.to_world(*vertex)))

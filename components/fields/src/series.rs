@@ -1,8 +1,11 @@
 //! Files of a series by time: ParaView's collection, kept readable while it grows.
 
+use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use tremie_sdk::state::StateError;
+use tremie_sdk::sync;
 
 const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" \
                     byte_order=\"LittleEndian\">\n  <Collection>\n";
@@ -13,12 +16,14 @@ pub struct Series {
     path: PathBuf,
     file: File,
     entries: Vec<Entry>,
+    /// Number of moments, from the first one on, whose files the disk surely has.
+    synced: usize,
     /// Length of the collection without its tail.
     len: u64,
 }
 
 /// A moment of a series.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// Coupling window at whose end the data hold.
     pub window: u64,
@@ -26,6 +31,8 @@ pub struct Entry {
     pub time: f64,
     /// Name of the file; several moments may share one.
     pub file: String,
+    /// Size of the file [bytes].
+    pub size: u64,
 }
 
 impl Series {
@@ -34,9 +41,38 @@ impl Series {
     /// # Errors
     /// If it cannot be written.
     pub fn create(path: &Path) -> io::Result<Self> {
-        std::fs::write(path, format!("{HEAD}{TAIL}"))?;
+        Self::of(path, Vec::new())
+    }
+
+    /// A series of these moments, whose files are there.
+    ///
+    /// # Errors
+    /// If the collection cannot be written.
+    pub fn of(path: &Path, entries: Vec<Entry>) -> io::Result<Self> {
+        let len = write(path, &entries)?;
         let file = OpenOptions::new().write(true).open(path)?;
-        Ok(Self { path: path.into(), file, entries: Vec::new(), len: HEAD.len() as u64 })
+        Ok(Self { path: path.into(), file, synced: entries.len(), entries, len })
+    }
+
+    /// Waits until the disk has the collection and its files.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn sync(&mut self) -> Result<(), StateError> {
+        let folder = self.folder();
+        let mut before = None;
+        for entry in &self.entries[self.synced..] {
+            if before != Some(&entry.file) {
+                sync(&folder.join(&entry.file))?;
+                before = Some(&entry.file);
+            }
+        }
+        self.synced = self.entries.len();
+        sync(&self.path)
+    }
+
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
     }
 
     /// Adds a moment: one write over the tail, so that the collection is whole before and after.
@@ -66,6 +102,14 @@ impl Series {
         &self.entries
     }
 
+    /// The file of the last moment was written again.
+    pub fn rewritten(&mut self, size: u64) {
+        if let Some(last) = self.entries.last_mut() {
+            last.size = size;
+            self.synced = self.synced.min(self.entries.len() - 1);
+        }
+    }
+
     /// Takes out what is later than `window`, and removes files that nothing refers to any more.
     ///
     /// # Errors
@@ -76,10 +120,9 @@ impl Series {
             return Ok(());
         }
         let late = self.entries.split_off(kept);
-        let text: String = self.entries.iter().map(line).collect();
-        std::fs::write(&self.path, format!("{HEAD}{text}{TAIL}"))?;
-        self.len = (HEAD.len() + text.len()) as u64;
-        let folder = self.path.parent().unwrap_or(Path::new(""));
+        self.synced = self.synced.min(kept);
+        self.len = write(&self.path, &self.entries)?;
+        let folder = self.folder();
         let mut removed: Option<&str> = None;
         for entry in &late {
             let is_used = self.entries.iter().any(|kept| kept.file == entry.file);
@@ -90,6 +133,13 @@ impl Series {
         }
         Ok(())
     }
+}
+
+/// Writes a whole collection; returns its length without its tail.
+fn write(path: &Path, entries: &[Entry]) -> io::Result<u64> {
+    let text: String = entries.iter().map(line).collect();
+    std::fs::write(path, format!("{HEAD}{text}{TAIL}"))?;
+    Ok((HEAD.len() + text.len()) as u64)
 }
 
 fn line(entry: &Entry) -> String {
@@ -110,7 +160,7 @@ mod tests {
         // The last three moments share a file.
         for (window, file) in [(0, "a"), (5, "b"), (10, "c"), (15, "c"), (20, "c")] {
             std::fs::write(folder.path().join(file), "x").unwrap();
-            series.push(Entry { window, time: window as f64, file: file.into() }).unwrap();
+            series.push(Entry { window, time: window as f64, file: file.into(), size: 1 }).unwrap();
             assert!(text().ends_with(&format!("file=\"{file}\"/>\n{TAIL}")), "{}", text());
         }
         assert_eq!(text().matches("<DataSet").count(), 5);
@@ -119,7 +169,7 @@ mod tests {
         assert!(folder.path().join("c").exists(), "window 10 needs it");
         series.cut(5).unwrap();
         assert!(!folder.path().join("c").exists());
-        series.push(Entry { window: 10, time: 10.0, file: "d".into() }).unwrap();
+        series.push(Entry { window: 10, time: 10.0, file: "d".into(), size: 1 }).unwrap();
         assert_eq!(text().matches("<DataSet").count(), 3);
         assert!(text().ends_with(TAIL));
     }

@@ -3,18 +3,22 @@
 use crate::document::Document;
 use crate::parameters::Parameters;
 use crate::parts::Parts;
+use crate::resumption;
 use crate::rubber::Rubber;
 use crate::series::{Entry, Series};
 use crate::solids::Solids;
 use crate::{about, tables};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample, VolumeHeader};
 use tremie_messages::start::{Description, FrameContent, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem, Stamp};
-use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, own_file};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
+use tremie_sdk::{
+    AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, kept_file, own_file, sync,
+};
 
 /// Series of the spheres.
 const BODIES: &str = "bodies";
@@ -25,6 +29,9 @@ const POLYHEDRA: &str = "polyhedra";
 /// Series of the deformable surfaces.
 const RUBBER: &str = "rubber";
 
+/// Version of the states.
+const STATE_VERSION: u32 = 1;
+
 /// Writes fields, bodies, parts and rubber as VTK files.
 pub struct Fields {
     folder: PathBuf,
@@ -33,6 +40,8 @@ pub struct Fields {
     parameters: Parameters,
     /// Series by the base of their files' names.
     series: BTreeMap<String, Series>,
+    /// Bases of the names of the volumes' files.
+    volumes: BTreeSet<String>,
     parts: Option<Parts>,
     solids: Option<Solids>,
     rubber: Option<Rubber>,
@@ -67,25 +76,67 @@ fn read_parts(setup: &Setup) -> Result<Option<Parts>, Vec<Problem>> {
     })
 }
 
+/// Describes the files; the description is kept open: a folder that two runs were told is one run's.
+fn open_about(setup: &Setup, folder: &Path) -> Result<File, ObserverError> {
+    let path = folder.join("about.txt");
+    let text = about::text(&setup.hello.scene);
+    if setup.goes_on() {
+        return Ok(kept_file(&path, text.len() as u64)?);
+    }
+    let mut about = own_file(&path)?;
+    about.write_all(text.as_bytes()).map_err(|error| failed(&path, error))?;
+    Ok(about)
+}
+
 impl Fields {
+    /// Waits until the disk has all files.
+    fn sync(&mut self) -> Result<(), StateError> {
+        self.series.values_mut().try_for_each(Series::sync)?;
+        sync(&self.folder.join("about.txt"))?;
+        sync(&self.folder)
+    }
+
+    /// Goes on with the files of these moments.
+    fn go_on(&mut self, kept: BTreeMap<String, Vec<Entry>>) -> Result<(), StateError> {
+        resumption::check_files(&self.folder, &kept)?;
+        let surfaces = SURFACES.map(String::from);
+        let bases = self.volumes.iter().chain(&surfaces).chain(kept.keys()).cloned().collect();
+        resumption::remove_later(&self.folder, &bases, &kept)?;
+        self.series.clear();
+        for (base, entries) in kept {
+            let path = self.folder.join(format!("{base}.pvd"));
+            let series = Series::of(&path, entries);
+            let series = series.map_err(|error| StateError::Io { path, error })?;
+            self.series.insert(base, series);
+        }
+        Ok(())
+    }
+
     /// Writes a document as the moment `at` of a series.
     fn keep(&mut self, base: &str, at: Moment, document: Document) -> Result<(), ObserverError> {
         let ending = if SURFACES.contains(&base) { "vtp" } else { "vti" };
         let file = format!("{base}_{:06}.{ending}", at.stamp.window);
         let path = self.folder.join(&file);
-        self.size += document.write(&path).map_err(|error| failed(&path, error))?;
-        self.note(base, at, file)
+        let size = document.write(&path).map_err(|error| failed(&path, error))?;
+        self.size += size;
+        self.note(base, at, file, size)
     }
 
     /// Adds a moment to a series, whose file is there.
-    fn note(&mut self, base: &str, at: Moment, file: String) -> Result<(), ObserverError> {
+    fn note(
+        &mut self,
+        base: &str,
+        at: Moment,
+        file: String,
+        size: u64,
+    ) -> Result<(), ObserverError> {
         let path = self.folder.join(format!("{base}.pvd"));
         if !self.series.contains_key(base) {
             let series = Series::create(&path).map_err(|error| failed(&path, error))?;
             self.series.insert(base.into(), series);
         }
         let Some(series) = self.series.get_mut(base) else { return Ok(()) };
-        let entry = Entry { window: at.stamp.window, time: at.time, file };
+        let entry = Entry { window: at.stamp.window, time: at.time, file, size };
         series.push(entry).map_err(|error| failed(&path, error))
     }
 
@@ -93,18 +144,21 @@ impl Fields {
     fn keep_parts(&mut self, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError> {
         let Some(parts) = &mut self.parts else { return Ok(()) };
         let moved = parts.follow(bodies);
-        let before = self.series.get(PARTS).and_then(|series| series.entries().last());
-        match before.map(|entry| (entry.window, entry.file.clone())) {
+        let before = self.series.get_mut(PARTS);
+        let last = before.as_ref().and_then(|series| series.entries().last().cloned());
+        match (last, before) {
             // The parts at the start are there already; of the start's frame only what moves is
             // new.
-            Some((window, _)) if window == at.stamp.window && !moved => Ok(()),
-            Some((window, file)) if window < at.stamp.window && !moved => {
-                self.note(PARTS, at, file)
+            (Some(last), _) if last.window == at.stamp.window && !moved => Ok(()),
+            (Some(last), _) if last.window < at.stamp.window && !moved => {
+                self.note(PARTS, at, last.file, last.size)
             }
-            Some((window, file)) if window == at.stamp.window => {
-                let path = self.folder.join(&file);
+            (Some(last), Some(series)) if last.window == at.stamp.window => {
+                let path = self.folder.join(&last.file);
                 let document = parts.document(at, self.parameters.compression);
-                self.size += document.write(&path).map_err(|error| failed(&path, error))?;
+                let size = document.write(&path).map_err(|error| failed(&path, error))?;
+                series.rewritten(size);
+                self.size += size;
                 Ok(())
             }
             _ => {
@@ -125,6 +179,7 @@ impl Observer for Fields {
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
+            state: Some(STATE_VERSION),
             watches: Watches {
                 bodies: true,
                 surfaces: true,
@@ -154,24 +209,44 @@ impl Observer for Fields {
         }
         let folder = parameters.path(&setup.hello.output);
         std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
-        let words = folder.join("about.txt");
-        // Kept open: a folder that two runs were told is one run's.
-        let mut about = own_file(&words)?;
-        about
-            .write_all(about::text(&setup.hello.scene).as_bytes())
-            .map_err(|error| failed(&words, error))?;
+        let about = open_about(setup, &folder)?;
         let parts = read_parts(setup)?;
         let solids = Solids::new(&setup.hello.scene);
         let rubber = Rubber::new(&setup.hello.scene);
-        let series = BTreeMap::new();
-        let mut fields =
-            Self { folder, _about: about, parameters, series, parts, solids, rubber, size: 0 };
-        if let Some(parts) = &fields.parts {
+        let mut fields = Self {
+            folder,
+            _about: about,
+            parameters,
+            series: BTreeMap::new(),
+            volumes: bases.into_keys().collect(),
+            parts,
+            solids,
+            rubber,
+            size: 0,
+        };
+        if let Some(parts) = &fields.parts
+            && !setup.goes_on()
+        {
             let at = Moment { stamp: Stamp::default(), time: 0.0 };
             let document = parts.document(at, fields.parameters.compression);
             fields.keep(PARTS, at, document)?;
         }
         Ok(fields)
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        if !state.restores() {
+            self.sync()?;
+        }
+        let entries =
+            |(base, series): (&String, &Series)| (base.clone(), series.entries().to_vec());
+        let mut kept: BTreeMap<String, Vec<Entry>> = self.series.iter().map(entries).collect();
+        state.value("series", &mut kept)?;
+        state.value("size", &mut self.size)?;
+        if let Some(parts) = &mut self.parts {
+            state.within("parts", |state| parts.exchange_state(state))?;
+        }
+        if state.restores() { self.go_on(kept) } else { Ok(()) }
     }
 
     fn bodies(

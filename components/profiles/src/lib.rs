@@ -22,7 +22,9 @@
 //! ```
 //!
 //! Tables of the CSV file are there as soon as they have ended; the arrays come when the run ends.
-//! No file depends on the wall clock or the run's id: identical runs give identical bytes.
+//! No file depends on the wall clock or the run's id: identical runs give identical bytes, also one
+//! that goes on from a checkpoint. The state has the tables so far, and the lengths of the rows:
+//! what was written after that is cut off.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

@@ -5,13 +5,20 @@ use crate::columns::{ProfileTable, write_head, write_rows};
 use crate::parameters::Parameters;
 use std::error::Error;
 use std::fs::File;
-use std::io;
+use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::GrainProfile;
 use tremie_messages::start::{Description, Watches};
-use tremie_messages::{INTERFACE_VERSION, Problem};
-use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, own_file};
+use tremie_messages::{INTERFACE_VERSION, Problem, bytes_of, values_of};
+use tremie_sdk::{
+    AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, check_length, kept_file,
+    own_file, sync,
+};
+use tremie_state::{StateError, StateExchange};
+
+/// Version of the states: another one, too, whenever [`ProfileBin`] has other fields.
+const STATE_VERSION: u32 = 1;
 
 /// Writes profiles as CSV and NumPy files.
 pub struct ProfileWriter {
@@ -44,6 +51,68 @@ impl ProfileFiles {
             Self { profile: profile.clone(), path, rows, tables: Vec::new(), lengths: Vec::new() };
         files.note_length()?;
         Ok(files)
+    }
+
+    /// The files of the run before, before its state is put back.
+    fn reopen(folder: &Path, profile: &GrainProfile) -> Result<Self, ObserverError> {
+        let path = folder.join(format!("{}.csv", profile.name));
+        let rows = csv::Writer::from_writer(kept_file(&path, 0)?);
+        let profile = profile.clone();
+        Ok(Self { profile, path, rows, tables: Vec::new(), lengths: Vec::new() })
+    }
+
+    /// The arrays are written from the tables when the run ends: these are kept, too.
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        if !state.restores() {
+            sync(&self.path)?;
+        }
+        let head = |table: &ProfileTable| (table.window, table.times, table.samples);
+        let mut heads: Vec<_> = self.tables.iter().map(head).collect();
+        let mut bins: Vec<u8> =
+            self.tables.iter().flat_map(|table| bytes_of(&table.bins)).copied().collect();
+        state.value("tables", &mut heads)?;
+        state.list("bins", &mut bins)?;
+        state.list("lengths", &mut self.lengths)?;
+        if !state.restores() {
+            return Ok(());
+        }
+        let bins = values_of::<ProfileBin>(&bins).unwrap_or_default();
+        let size = self.profile.bins();
+        let Some(&length) = self
+            .lengths
+            .last()
+            .filter(|_| self.lengths.len() == heads.len() + 1 && bins.len() == heads.len() * size)
+        else {
+            let (name, found) = (&self.profile.name, bins.len());
+            return state.unfit(format!(
+                "the state has {found} bins of {} tables of the profile \"{name}\", expected {size} of each",
+                heads.len()
+            ));
+        };
+        let table = |(k, (window, times, samples)): (usize, (u64, [f64; 2], u64))| {
+            let bins = bins[k * size..(k + 1) * size].to_vec();
+            ProfileTable { window, times, samples, bins }
+        };
+        self.tables = heads.into_iter().enumerate().map(table).collect();
+        self.go_on(length)
+    }
+
+    /// Goes on after the first `length` bytes of the rows.
+    fn go_on(&mut self, length: u64) -> Result<(), StateError> {
+        let failed = |error| StateError::Io { path: self.path.clone(), error };
+        let mut file = self.rows.get_ref();
+        check_length(&self.path, file.metadata().map_err(failed)?.len(), length)?;
+        file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
+        // Arrays of a run that ended hold tables that come again.
+        for later in ["npz", "part"].map(|ending| self.path.with_extension(ending)) {
+            match std::fs::remove_file(&later) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(StateError::Io { path: later, error });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     fn note_length(&mut self) -> Result<(), ObserverError> {
@@ -80,6 +149,7 @@ impl Observer for ProfileWriter {
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
+            state: Some(STATE_VERSION),
             watches: Watches {
                 bodies: false,
                 surfaces: false,
@@ -98,8 +168,19 @@ impl Observer for ProfileWriter {
         let folder = parameters.path(&setup.hello.output);
         std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, &error))?;
         let profiles = &setup.hello.scene.profiles;
-        let profiles = profiles.iter().map(|profile| ProfileFiles::open(&folder, profile));
+        let open = if setup.goes_on() { ProfileFiles::reopen } else { ProfileFiles::open };
+        let profiles = profiles.iter().map(|profile| open(&folder, profile));
         Ok(Self { profiles: profiles.collect::<Result<_, _>>()?, parameters, folder })
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        if !state.restores() {
+            sync(&self.folder)?;
+        }
+        self.profiles.iter_mut().try_for_each(|files| {
+            let name = files.profile.name.clone();
+            state.within(&name, |state| files.exchange_state(state))
+        })
     }
 
     fn profile(

@@ -1,11 +1,14 @@
 //! The MCAP file being written: channels as they are first needed, chunks at fixed amounts.
 
-use crate::proto::Frame;
+use crate::document::{END, RUN};
+use crate::entry::{Entry, LOG, topic};
 use crate::schema;
-use crate::signals::{bytes, fields, identifier};
+use crate::signals::{fields, identifier};
 use crate::windows::Stream;
-use mcap::records::{MessageHeader, Metadata};
-use mcap::{Compression, McapResult, WriteOptions, Writer};
+use mcap::read::ChunkReader;
+use mcap::records::{Channel, MessageHeader, Metadata, Record};
+use mcap::{Compression, McapError, McapResult, WriteOptions, Writer};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -22,38 +25,36 @@ const LIBRARY: &str = concat!("tremie-recorder ", env!("CARGO_PKG_VERSION"));
 
 /// Topic of the frames' stamps.
 pub const FRAMES: &str = "/frames";
-/// Topic of the log.
-pub const LOG: &str = "/log";
 /// Key of a signal channel's metadata that holds the signals, as JSON.
 pub const SIGNALS: &str = "signals";
 
-/// Topic of a stream.
-pub fn topic(stream: &Stream) -> String {
-    match stream {
-        Stream::Bodies(from) => format!("/bodies/{from}"),
-        Stream::Surfaces(from) => format!("/surfaces/{from}"),
-        Stream::Cut(from, name) => format!("/cuts/{from}/{name}"),
-        Stream::Signals(from) => format!("/signals/{from}"),
-    }
+/// How far a file was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Extent {
+    /// Chunks that are closed.
+    pub chunks: u64,
+    /// Messages, with their frames, in these.
+    pub entries: u64,
+    /// Windows in the chunk that is open.
+    pub windows: u32,
 }
 
-/// A message of a topic, with the frame that announces it.
-pub struct Entry {
-    /// Stamp and topic.
-    pub frame: Frame,
-    /// Simulated time [ns].
-    pub time: u64,
-    /// The encoded message.
-    pub data: Vec<u8>,
+/// Schemas (name and content) and topics of a file that is copied, by its numbers.
+#[derive(Default)]
+pub struct Known {
+    schemas: BTreeMap<u16, (String, Vec<u8>)>,
+    topics: BTreeMap<u16, String>,
 }
 
 /// An MCAP file being written.
 pub struct McapFile {
     writer: Writer<BufWriter<File>>,
     channels: BTreeMap<String, u16>,
-    sequence: u32,
+    extent: Extent,
+    /// Bytes in the chunk that is open.
     bytes: usize,
-    windows: u32,
+    /// Messages in the chunk that is open: no reader finds them before it is closed.
+    open: Vec<Entry>,
 }
 
 impl McapFile {
@@ -68,15 +69,21 @@ impl McapFile {
             // one.
             .disable_seeking(true);
         let mut writer = options.create(BufWriter::new(file))?;
-        writer.write_metadata(&Metadata { name: crate::document::RUN.into(), metadata: run })?;
-        let mut file =
-            Self { writer, channels: BTreeMap::new(), sequence: 0, bytes: 0, windows: 0 };
+        writer.write_metadata(&Metadata { name: RUN.into(), metadata: run })?;
+        let mut file = Self {
+            writer,
+            channels: BTreeMap::new(),
+            extent: Extent::default(),
+            bytes: 0,
+            open: Vec::new(),
+        };
         file.add_channel(FRAMES, "tremie.Frame", &schema::frame(), &BTreeMap::new())?;
         file.add_channel(LOG, "foxglove.Log", &schema::log(), &BTreeMap::new())?;
-        file.writer.flush()?;
+        file.close_chunk()?;
         Ok(file)
     }
 
+    /// Adds a channel, unless it is there.
     fn add_channel(
         &mut self,
         topic: &str,
@@ -84,6 +91,9 @@ impl McapFile {
         data: &[u8],
         metadata: &BTreeMap<String, String>,
     ) -> McapResult<()> {
+        if self.channels.contains_key(topic) {
+            return Ok(());
+        }
         let schema = self.writer.add_schema(schema, "protobuf", data)?;
         let channel = self.writer.add_channel(schema, topic, "protobuf", metadata)?;
         self.channels.insert(topic.into(), channel);
@@ -91,8 +101,8 @@ impl McapFile {
     }
 
     /// Makes sure that a stream's channel is there; `signals` of a signal stream.
-    pub fn announce(&mut self, stream: &Stream, signals: &[Signal]) -> McapResult<()> {
-        let topic = topic(stream);
+    fn announce(&mut self, stream: &Stream, signals: &[Signal]) -> McapResult<()> {
+        let topic = topic(Some(stream));
         if self.channels.contains_key(&topic) {
             return Ok(());
         }
@@ -113,43 +123,108 @@ impl McapFile {
         }
     }
 
-    /// Writes a message after its frame.
-    pub fn write(&mut self, entry: &Entry) -> McapResult<()> {
-        self.put(FRAMES, entry.time, &bytes(&entry.frame))?;
-        self.put(&entry.frame.topic, entry.time, &entry.data)?;
-        self.sequence = self.sequence.wrapping_add(1);
+    /// Writes a message after its frame; `signals` of a signal stream.
+    pub fn write(&mut self, entry: Entry, signals: &[Signal]) -> McapResult<()> {
+        if let Some(stream) = &entry.stream {
+            self.announce(stream, signals)?;
+        }
+        // The sequence starts again from 0 after its last number.
+        let sequence = (self.extent.entries + self.open.len() as u64) as u32;
+        self.put(FRAMES, sequence, entry.time, &entry.frame)?;
+        self.put(&topic(entry.stream.as_ref()), sequence, entry.time, &entry.data)?;
+        self.open.push(entry);
         Ok(())
     }
 
-    fn put(&mut self, topic: &str, time: u64, data: &[u8]) -> McapResult<()> {
+    fn put(&mut self, topic: &str, sequence: u32, time: u64, data: &[u8]) -> McapResult<()> {
         let Some(&channel_id) = self.channels.get(topic) else {
             return Ok(());
         };
-        let header = MessageHeader {
-            channel_id,
-            sequence: self.sequence,
-            log_time: time,
-            publish_time: time,
-        };
+        let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
         self.bytes += data.len();
         self.writer.write_to_known_channel(&header, data)
     }
 
     /// A window was written: closes the chunk if it is full.
     pub fn end_window(&mut self) -> McapResult<()> {
-        self.windows += 1;
-        if self.bytes < CHUNK_BYTES && self.windows < CHUNK_WINDOWS {
+        self.extent.windows += 1;
+        if self.bytes < CHUNK_BYTES && self.extent.windows < CHUNK_WINDOWS {
             return Ok(());
         }
-        (self.bytes, self.windows) = (0, 0);
+        self.close_chunk()
+    }
+
+    /// Closes the chunk: then the file has it.
+    pub fn close_chunk(&mut self) -> McapResult<()> {
+        self.extent.chunks += 1;
+        self.extent.entries += self.open.len() as u64;
+        self.extent.windows = 0;
+        self.bytes = 0;
+        self.open.clear();
         self.writer.flush()
+    }
+
+    /// How far it was written.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// Messages of the chunk that is open.
+    pub fn open_entries(&self) -> &[Entry] {
+        &self.open
+    }
+
+    /// Writes the records of a chunk of another file of this run again. `known` is what came in the
+    /// chunks before it.
+    pub fn copy_records(&mut self, chunk: ChunkReader<'_>, known: &mut Known) -> McapResult<()> {
+        for record in chunk {
+            match record? {
+                Record::Schema { header, data } => {
+                    known.schemas.insert(header.id, (header.name, data.into_owned()));
+                }
+                Record::Channel(Channel { id, schema_id, topic, metadata, .. }) => {
+                    let schema = known.schemas.get(&schema_id);
+                    let unknown = || McapError::UnknownSchema(topic.clone(), schema_id);
+                    let (name, data) = schema.ok_or_else(unknown)?;
+                    self.add_channel(&topic, name, data, &metadata)?;
+                    known.topics.insert(id, topic);
+                }
+                Record::Message {
+                    header: MessageHeader { channel_id, sequence, log_time, .. },
+                    data,
+                } => {
+                    let unknown = || McapError::UnknownChannel(sequence, channel_id);
+                    let topic = known.topics.get(&channel_id).ok_or_else(unknown)?;
+                    self.put(topic, sequence, log_time, &data)?;
+                    self.extent.entries += u64::from(topic == FRAMES);
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the messages of the chunk that was open into a file that was copied so far. `signals` has
+    /// those of a stream of signals.
+    pub fn reopen_chunk<'a>(
+        &mut self,
+        windows: u32,
+        entries: Vec<Entry>,
+        signals: impl Fn(&Stream) -> &'a [Signal],
+    ) -> McapResult<()> {
+        for entry in entries {
+            let signals = entry.stream.as_ref().map_or(&[][..], &signals);
+            self.write(entry, signals)?;
+        }
+        self.extent.windows = windows;
+        Ok(())
     }
 
     /// Writes the last metadata record and the index.
     pub fn finish(mut self, last_common_window: u64) -> McapResult<()> {
         let metadata =
             BTreeMap::from([("last_common_window".to_string(), last_common_window.to_string())]);
-        self.writer.write_metadata(&Metadata { name: crate::document::END.into(), metadata })?;
+        self.writer.write_metadata(&Metadata { name: END.into(), metadata })?;
         self.writer.finish()?;
         self.writer.into_inner().flush()?;
         Ok(())

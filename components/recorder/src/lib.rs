@@ -42,6 +42,13 @@
 //! everything up to the last chunk can be read; [`Recording::end`] then says that the end is
 //! missing.
 //!
+//! # Checkpoints
+//!
+//! A run that goes on from a checkpoint gets the file that it would have without interruption. The
+//! state of the recorder says how many chunks were in the file, and holds what was not yet: messages
+//! of the open chunk, of windows that are not whole, and the log. The chunks are written again into
+//! a file beside the old one, which takes its name when it is as far as that was.
+//!
 //! # Metadata
 //!
 //! `tremie.run` holds, as JSON texts, `scene`, `clock`, `windows`, `streams`, and the versions of
@@ -51,12 +58,15 @@
 
 mod codec;
 mod document;
+mod entry;
 mod file;
 mod item;
 mod parameters;
 mod proto;
 mod recorder;
 mod recording;
+mod records;
+mod resumption;
 mod schema;
 mod signals;
 pub mod windows;

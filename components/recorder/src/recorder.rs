@@ -2,27 +2,32 @@
 
 use crate::codec::{encode_bodies, encode_grid, encode_nodes, encode_vertices};
 use crate::document::RunNote;
-use crate::file::{Entry, LOG, McapFile, topic};
+use crate::entry::{Entry, exchange_entries, topic};
+use crate::file::{Extent, McapFile};
 use crate::parameters::Parameters;
 use crate::proto::{Frame, Level, Log, timestamp};
+use crate::resumption::Beginning;
 use crate::signals::{bytes, encode};
 use crate::windows::{Progress, Stream};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::start::{Description, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem};
-use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup, own_file};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
+use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup};
 
 /// Most windows that wait to become whole. Coupled components are a few windows apart and a stream
 /// holds a few frames: in good order this is never reached, and a file of equal runs stays equal.
 const MOST_WAITING: usize = 64;
 
+/// Version of the recorder's states.
+const STATE_VERSION: u32 = 1;
+
 /// Writes a run to MCAP.
 pub struct Recorder {
-    /// `None` once it is closed.
+    /// `None` once it is closed, and before the state is put back of a run that goes on.
     file: Option<McapFile>,
-    path: PathBuf,
+    beginning: Beginning,
     name: String,
     progress: Progress,
     names: BTreeMap<Stream, Vec<Signal>>,
@@ -34,8 +39,10 @@ pub struct Recorder {
     partial: u64,
 }
 
+const CLOSED: &str = "the recording is closed";
+
 fn closed() -> ObserverError {
-    ObserverError::Other("the recording is closed".into())
+    ObserverError::Other(CLOSED.into())
 }
 
 /// Simulated time [ns]; files know no other.
@@ -44,11 +51,11 @@ fn nanoseconds(at: Moment) -> u64 {
 }
 
 /// The frame of a moment. The run's id stays out: it differs between identical runs.
-fn frame(at: Moment, topic: String) -> Frame {
+fn frame(at: Moment, stream: Option<&Stream>) -> Frame {
     let stamp = at.stamp;
     Frame {
         timestamp: Some(timestamp(nanoseconds(at))),
-        topic,
+        topic: topic(stream),
         window: stamp.window,
         ticks: stamp.ticks,
         events: stamp.events,
@@ -60,11 +67,23 @@ fn frame(at: Moment, topic: String) -> Frame {
     }
 }
 
+/// Signals of a stream of signals; none of another.
+fn signals_of<'a>(names: &'a BTreeMap<Stream, Vec<Signal>>, stream: &Stream) -> &'a [Signal] {
+    names.get(stream).map_or(&[], Vec::as_slice)
+}
+
 impl Recorder {
     /// Keeps a message until its window is whole, and writes windows that became whole.
-    fn take(&mut self, at: Moment, stream: Stream, entry: Entry) -> Result<(), ObserverError> {
-        let window = at.stamp.window;
+    fn take(
+        &mut self,
+        stream: Stream,
+        frame: &Frame,
+        time: u64,
+        data: Vec<u8>,
+    ) -> Result<(), ObserverError> {
+        let window = frame.window;
         self.progress.arrived(&stream, window);
+        let entry = Entry::new(Some(stream.clone()), frame, time, data);
         self.waiting.entry(window).or_default().insert(stream, entry);
         while let Some((window, entries)) = self.next_due() {
             self.write(window, entries)?;
@@ -93,11 +112,9 @@ impl Recorder {
         entries: BTreeMap<Stream, Entry>,
     ) -> Result<(), ObserverError> {
         let file = self.file.as_mut().ok_or_else(closed)?;
-        let failed = |error| ObserverError::output(&self.path, &error);
-        for (stream, entry) in &entries {
-            let names = self.names.get(stream).map_or(&[][..], Vec::as_slice);
-            file.announce(stream, names).map_err(failed)?;
-            file.write(entry).map_err(failed)?;
+        let failed = |error| ObserverError::output(&self.beginning.path, &error);
+        for (stream, entry) in entries {
+            file.write(entry, signals_of(&self.names, &stream)).map_err(failed)?;
             self.frames += 1;
         }
         self.written = Some(window);
@@ -113,6 +130,7 @@ impl Observer for Recorder {
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
+            state: Some(STATE_VERSION),
             watches: Watches { surfaces: true, ..Watches::default() },
             ..Description::default()
         })
@@ -125,11 +143,11 @@ impl Observer for Recorder {
         let path = parameters.path(&setup.hello.output);
         let run = RunNote::new(setup, assignment).to_map();
         let run = run.map_err(|error| ObserverError::Other(error.to_string()))?;
-        let file = McapFile::create(own_file(&path)?, parameters.compression, run)
-            .map_err(|error| ObserverError::output(&path, &error))?;
+        let mut beginning = Beginning { path, level: parameters.compression, run };
+        let file = if setup.goes_on() { None } else { Some(beginning.create()?) };
         Ok(Self {
-            file: Some(file),
-            path,
+            file,
+            beginning,
             name: parameters.file.display().to_string(),
             progress: Progress::new(&assignment.frames),
             names: BTreeMap::new(),
@@ -141,6 +159,39 @@ impl Observer for Recorder {
         })
     }
 
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Self { file, beginning, names, progress, waiting, lines, .. } = self;
+        let mut reached = match file {
+            _ if state.restores() => Extent::default(),
+            Some(file) => file.extent(),
+            None => return state.unfit(CLOSED),
+        };
+        if !state.restores() {
+            beginning.sync()?;
+        }
+        state.value("file", &mut reached)?;
+        let open = file.iter().flat_map(McapFile::open_entries);
+        let open = exchange_entries(state, "open", open)?;
+        let entries = waiting.values().flat_map(BTreeMap::values);
+        let entries = exchange_entries(state, "waiting", entries)?;
+        let log = exchange_entries(state, "log", lines.iter())?;
+        state.value("signals", names)?;
+        state.within("progress", |state| progress.exchange_state(state))?;
+        state.value("written", &mut self.written)?;
+        state.value("frames", &mut self.frames)?;
+        state.value("partial", &mut self.partial)?;
+        if state.restores() {
+            *lines = log;
+            waiting.clear();
+            for entry in entries {
+                let Some(stream) = entry.stream.clone() else { continue };
+                waiting.entry(entry.window).or_default().insert(stream, entry);
+            }
+            *file = Some(beginning.resume(&reached, open, |stream| signals_of(names, stream))?);
+        }
+        Ok(())
+    }
+
     fn bodies(
         &mut self,
         from: &str,
@@ -150,7 +201,8 @@ impl Observer for Recorder {
         let stream = Stream::Bodies(from.into());
         let time = nanoseconds(at);
         let data = bytes(&encode_bodies(time, bodies));
-        self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
+        let frame = frame(at, Some(&stream));
+        self.take(stream, &frame, time, data)
     }
 
     fn surfaces(
@@ -162,7 +214,8 @@ impl Observer for Recorder {
         let stream = Stream::Surfaces(from.into());
         let time = nanoseconds(at);
         let data = bytes(&encode_vertices(time, samples));
-        self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
+        let frame = frame(at, Some(&stream));
+        self.take(stream, &frame, time, data)
     }
 
     fn slice(
@@ -176,8 +229,8 @@ impl Observer for Recorder {
         let stream = Stream::Cut(from.into(), name.into());
         let time = nanoseconds(at);
         let data = bytes(&encode_nodes(time, header, nodes));
-        let frame = Frame { grid: Some(encode_grid(header)), ..frame(at, topic(&stream)) };
-        self.take(at, stream, Entry { frame, time, data })
+        let frame = Frame { grid: Some(encode_grid(header)), ..frame(at, Some(&stream)) };
+        self.take(stream, &frame, time, data)
     }
 
     fn signals(
@@ -193,7 +246,8 @@ impl Observer for Recorder {
         }
         let time = nanoseconds(at);
         let data = encode(time, values);
-        self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
+        let frame = frame(at, Some(&stream));
+        self.take(stream, &frame, time, data)
     }
 
     fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError> {
@@ -209,8 +263,8 @@ impl Observer for Recorder {
             message: text.into(),
             name: "tremie".into(),
         };
-        let frame = Frame { level: header.level, ..frame(at, LOG.into()) };
-        self.lines.push(Entry { frame, time, data: bytes(&line) });
+        let frame = Frame { level: header.level, ..frame(at, None) };
+        self.lines.push(Entry::new(None, &frame, time, bytes(&line)));
         Ok(())
     }
 
@@ -220,9 +274,9 @@ impl Observer for Recorder {
             self.write(window, entries)?;
         }
         let mut file = self.file.take().ok_or_else(closed)?;
-        let failed = |error| ObserverError::output(&self.path, &error);
+        let failed = |error| ObserverError::output(&self.beginning.path, &error);
         for line in std::mem::take(&mut self.lines) {
-            file.write(&line).map_err(failed)?;
+            file.write(line, &[]).map_err(failed)?;
         }
         file.finish(last_common_window).map_err(failed)?;
         let dropped = match beyond.len() {

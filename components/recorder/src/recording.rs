@@ -2,17 +2,17 @@
 
 use crate::codec::{decode_bodies, decode_grid, decode_nodes, decode_vertices};
 use crate::document::{END, RUN, RunNote};
-use crate::file::{FRAMES, LOG, SIGNALS};
+use crate::entry::LOG;
+use crate::file::{FRAMES, SIGNALS};
 use crate::item::Item;
 use crate::proto::{Frame, Log, PointCloud};
+use crate::records::Records;
 use crate::signals::decode;
 use mcap::McapError;
 use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use prost::Message;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
 use std::path::Path;
 use tremie_messages::Stamp;
 use tremie_messages::frame::{LogHeader, SliceHeader};
@@ -67,8 +67,8 @@ impl Recording {
     /// # Errors
     /// If it cannot be read, or is not one of Tremie's.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let mut records = Records::open(path)?;
-        if records.is_empty {
+        let mut records = Records::of(File::open(path)?, false)?;
+        if records.is_empty() {
             return Err(ReadError::Foreign(
                 "it is empty; its run ended before the first frame".into(),
             ));
@@ -253,49 +253,4 @@ fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
         },
         _ => return None,
     })
-}
-
-/// Records of an MCAP file from its beginning to its end, or to where a killed writer left it.
-struct Records {
-    file: BufReader<File>,
-    reader: LinearReader,
-    is_empty: bool,
-    /// True if some record was read: what is unreadable after that was damaged, and what comes
-    /// before it counts.
-    has_begun: bool,
-}
-
-impl Records {
-    fn open(path: &Path) -> Result<Self, ReadError> {
-        let options = LinearReaderOptions::default().with_skip_end_magic(true);
-        let file = File::open(path)?;
-        Ok(Self {
-            is_empty: file.metadata()?.len() == 0,
-            file: BufReader::new(file),
-            reader: LinearReader::new_with_options(options),
-            has_begun: false,
-        })
-    }
-
-    fn next(&mut self) -> Result<Option<Record<'static>>, ReadError> {
-        loop {
-            let (opcode, data) = match self.reader.next_event() {
-                None | Some(Err(McapError::UnexpectedEof)) => return Ok(None),
-                Some(Err(_)) if self.has_begun => return Ok(None),
-                Some(Err(error)) => return Err(error.into()),
-                Some(Ok(LinearReadEvent::Record { opcode, data })) => (opcode, data),
-                Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
-                    let read = self.file.read(self.reader.insert(wanted))?;
-                    self.reader.notify_read(read);
-                    continue;
-                }
-            };
-            let record = match mcap::parse_record(opcode, data) {
-                Err(_) if self.has_begun => return Ok(None),
-                record => record?.into_owned(),
-            };
-            self.has_begun = true;
-            return Ok(Some(record));
-        }
-    }
 }

@@ -1,7 +1,9 @@
 //! Windows that are whole.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use tremie_messages::start::{FrameContent, FrameStream};
+use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 
 /// A component that has completed this many windows more has seen the others complete one: coupled
 /// components wait for each other's messages of the window before (serial) or of the one before
@@ -10,7 +12,7 @@ pub const HOLD: u64 = 2;
 
 /// Key of a stream at the recorder: kind, sender, name. Frames of a window are written in this
 /// order.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Stream {
     /// All bodies.
     Bodies(String),
@@ -60,6 +62,24 @@ impl Progress {
     /// True if every frame of `window` is there and every component has completed it.
     pub fn is_whole(&self, window: u64) -> bool {
         window + HOLD <= self.newest && self.due.values().all(|(_, due)| *due > window)
+    }
+}
+
+impl KeepsState for Progress {
+    const STATE_VERSION: u32 = 1;
+
+    /// Which streams there are and how often they have frames is for the run to say that goes on.
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let next = |(stream, (_, due)): (&Stream, &(u64, u64))| (stream.clone(), *due);
+        let mut kept: BTreeMap<Stream, u64> = self.due.iter().map(next).collect();
+        state.value("due", &mut kept)?;
+        state.value("newest", &mut self.newest)?;
+        for (stream, next) in kept {
+            if let Some((_, due)) = self.due.get_mut(&stream) {
+                *due = next;
+            }
+        }
+        Ok(())
     }
 }
 

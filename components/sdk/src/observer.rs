@@ -50,16 +50,25 @@ impl ObserverError {
 pub fn own_file(path: &Path) -> Result<File, ObserverError> {
     let open = OpenOptions::new().write(true).create(true).truncate(false).open(path);
     let file = open.map_err(|error| ObserverError::output(path, &error))?;
-    if let Err(TryLockError::WouldBlock) = file.try_lock() {
-        let text =
-            format!("{} is being written by another run; choose another file", path.display());
-        return Err(ObserverError::Other(text));
-    }
+    lock(&file, path).map_err(ObserverError::Other)?;
     // Devices have no length to lose.
     if file.metadata().is_ok_and(|metadata| metadata.is_file()) {
         file.set_len(0).map_err(|error| ObserverError::output(path, &error))?;
     }
     Ok(file)
+}
+
+/// Keeps other processes from writing the file as long as it is open.
+///
+/// # Errors
+/// A sentence, if somebody has it.
+pub(crate) fn lock(file: &File, path: &Path) -> Result<(), String> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            Err(format!("{} is being written by another run; choose another file", path.display()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The deepest cause of an error that the system gave a name, or the error itself.
@@ -78,6 +87,12 @@ fn root_cause<'a>(error: &'a (dyn Error + 'static)) -> &'a (dyn Error + 'static)
 impl From<Vec<Problem>> for ObserverError {
     fn from(problems: Vec<Problem>) -> Self {
         Self::Other(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+    }
+}
+
+impl From<StateError> for ObserverError {
+    fn from(error: StateError) -> Self {
+        Self::Other(error.to_string())
     }
 }
 

@@ -7,10 +7,13 @@
 //!
 //! [`processor_seconds`] times one thread, whatever other programs do beside it.
 //!
-//! `observers`, behind a feature of that name, sets an observer up without a run. `through_a_file`,
+//! `observers`, behind a feature of that name, sets an observer up without a run; `interrupted` kills
+//! such a one, and lets it go on from a checkpoint. `through_a_file`,
 //! behind the feature `state`, takes a component's state to another one.
 
 mod clock;
+#[cfg(feature = "observers")]
+pub mod interrupted;
 #[cfg(feature = "observers")]
 pub mod observers;
 #[cfg(feature = "state")]
