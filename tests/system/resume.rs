@@ -4,10 +4,13 @@
 use crate::inlets::STREAM;
 use crate::profiles::SHOWER;
 use crate::running::{Running, until};
-use crate::tremie::{Ran, SMALL, left_nothing, run, run_text, small_with_fluid, tremie};
+use crate::tremie::{
+    Ran, SMALL, description, left_nothing, run, run_text, script, small_with_fluid, tremie,
+};
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
+use tremie_sdk::messages::INTERFACE_VERSION;
 
 /// A dam that breaks onto spheres, short and coarse: 113 windows.
 const DAM: &str = "examples/dam-break/short.toml";
@@ -43,7 +46,19 @@ fn every(windows: u64) -> String {
     format!("run.checkpoints={{ windows = {windows}, keep = 99 }}")
 }
 
-/// That two runs made the same table, and the same states at their newest checkpoints.
+/// Files of a run that observers wrote.
+fn files(out: &Path) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for folder in ["", "fields", "profiles"] {
+        let entries = std::fs::read_dir(out.join(folder)).into_iter().flatten().flatten();
+        let names = entries.map(|e| Path::new(folder).join(e.file_name()).display().to_string());
+        found.extend(names.filter(|name| !folder.is_empty() || name == "run.mcap"));
+    }
+    found.sort();
+    found
+}
+
+/// That two runs made the same table, the same files, and the same states at all checkpoints.
 #[track_caller]
 fn assert_same(one: &Path, other: &Path) {
     let read = |out: &Path, file: &str| std::fs::read(out.join(file)).unwrap();
@@ -52,6 +67,10 @@ fn assert_same(one: &Path, other: &Path) {
     let line = a.lines().zip(b.lines()).position(|(a, b)| a != b);
     assert_eq!(line, None, "the tables differ from this line on");
     assert_eq!(a.lines().count(), b.lines().count());
+    for file in files(one) {
+        assert!(read(one, &file) == read(other, &file), "{file} differs");
+    }
+    assert_eq!(files(one), files(other));
     assert_eq!(checkpoints(one), checkpoints(other));
     for name in checkpoints(one).iter().map(|name| PathBuf::from("checkpoints").join(name)) {
         for entry in std::fs::read_dir(one.join(&name)).unwrap() {
@@ -202,13 +221,29 @@ fn a_damaged_checkpoint_is_named() {
 
 #[test]
 fn a_run_with_a_program_that_keeps_no_state_says_so() {
-    let text = small_with_fluid(Path::new("minimal-fluid"))
-        .replace("[settings.fluid-lbm]\ncell = \"0.5 mm\"", "");
-    let ran = run_text(&text, &["--until", "1 ms"]).succeeded();
-    let said = ran.errors();
-    assert!(said.contains("keeps no state: the run cannot be resumed"), "{said}");
-    let said = String::from_utf8_lossy(&resume(&ran.out, &[]).stderr).into_owned();
+    let home = tempfile::tempdir().unwrap();
+    let lines = format!("read line\necho '{}'\nread line", description(INTERFACE_VERSION));
+    let text = small_with_fluid(&script(home.path(), "stateless", &lines));
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, text).unwrap();
+    let output = tremie().arg("check").arg(&manifest).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("fluid (script) keeps no state: the run cannot be resumed"), "{said}");
+    let output = resume(home.path(), &[]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2));
     assert!(said.contains("holds no checkpoint"), "{said}");
+}
+
+#[test]
+fn recordings_fields_and_the_fluid_of_a_beginner_go_on() {
+    let files = ["--set", "outputs.record=true", "--set", "outputs.fields=60 ms"];
+    let dam = |options: &[&str]| run(DAM, options);
+    assert_resumes(dam, (20, "fluid:kill@77"), &files, &[]);
+    let minimal =
+        |options: &[&str]| run_text(&small_with_fluid(Path::new("minimal-fluid")), options);
+    let record = ["--set", "outputs.record=true"];
+    assert_resumes(minimal, (9, "grains:kill@25"), &record, &[]);
 }
 
 /// A fluid that a force makes too fast for its lattice, at the same window in every try.

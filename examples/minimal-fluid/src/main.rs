@@ -11,6 +11,7 @@ use std::process::ExitCode;
 use tremie_sdk::messages::scene::{FluidMaterial, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::state::{StateError, StateExchange};
 use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
 
 struct StokesFluid {
@@ -43,6 +44,8 @@ impl Fluid for StokesFluid {
                 sampled: false,
             }],
             notes: vec![format!("Stokes drag, {} Pa s", fluid.viscosity)],
+            // Another number whenever `exchange_state` names other things.
+            state: Some(1),
             warnings: vec!["grains do not feel each other through this fluid".into()],
             ..Description::default()
         })
@@ -97,6 +100,11 @@ impl Fluid for StokesFluid {
             }
         }
         Ok(())
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.value("diameters", &mut self.diameters)?;
+        state.value("largest_drag", &mut self.largest_drag)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

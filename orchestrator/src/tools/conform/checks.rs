@@ -31,6 +31,10 @@ pub const ALL: &[ConformCheck] = &[
     ConformCheck { name: "notices a wrong stamp", holds: notices_stamp },
     ConformCheck { name: "notices a wrong number of values", holds: notices_count },
     ConformCheck { name: "notices values that are not numbers", holds: notices_nan },
+    ConformCheck {
+        name: "goes on from a checkpoint to the same bits, if it keeps a state",
+        holds: goes_on,
+    },
 ];
 
 /// Longest time that an idle component may take to exit.
@@ -97,11 +101,33 @@ fn runs_parallel(subject: &Subject) -> Result<(), String> {
 
 fn repeats(subject: &Subject) -> Result<(), String> {
     let [first, second] = [subject.run(&[], None)?.signals, subject.run(&[], None)?.signals];
+    same_tables(&first, &second)
+}
+
+fn same_tables(first: &str, second: &str) -> Result<(), String> {
     match first.lines().zip(second.lines()).position(|(a, b)| a != b) {
         None if first == second => Ok(()),
         None => Err("the second run has another number of windows".into()),
         Some(line) => Err(format!("the tables of signals differ from line {} on", line + 1)),
     }
+}
+
+/// A run whose other side is killed, and which goes on from a checkpoint before that.
+fn goes_on(subject: &Subject) -> Result<(), String> {
+    if !subject.keeps_state()? {
+        return Ok(());
+    }
+    for schedule in ["serial", "parallel"] {
+        let sets = [("run.schedule", schedule), ("run.checkpoints.windows", "3")];
+        let whole = subject.run(&sets, None)?;
+        let resumed = subject.run_broken(&sets, (InjectionKind::Kill, 8))?;
+        if resumed.summary.ending != Ending::Completed {
+            return Err(format!("the run that went on ended with {:?}", resumed.summary.ending));
+        }
+        same_tables(&whole.signals, &resumed.signals)
+            .map_err(|why| format!("{why} (schedule {schedule})"))?;
+    }
+    Ok(())
 }
 
 /// Runs with a fault of the other side, which the subject must notice and blame on it.

@@ -2,7 +2,7 @@
 
 use super::ConformArgs;
 use crate::manifest::{self, Manifest, START_WITHIN};
-use crate::outputs::{RunFolder, Summary};
+use crate::outputs::{RunFolder, Summary, WholeCheckpoint};
 use crate::run::launch::{ComponentEvent, Launcher, Peer, PeerEvent, Program};
 use crate::run::{Execution, RunCall, prepare};
 use crate::terminal::{Style, Terminal};
@@ -130,41 +130,74 @@ impl Subject {
         }
     }
 
+    /// True if the program has a state that checkpoints can keep.
+    pub fn keeps_state(&self) -> Result<bool, String> {
+        match self.greet(self.hello()?)?.2 {
+            Reply::Description(description) => Ok(description.state.is_some()),
+            other => Err(format!("it answered the hello with {other:?}")),
+        }
+    }
+
     /// Runs the trial's manifest with `sets`, and with `fault` committed by the other side.
     pub fn run(
         &self,
         sets: &[(&str, &str)],
         fault: Option<(InjectionKind, u64)>,
     ) -> Result<Trial, String> {
-        let manifest = self.manifest(sets)?;
         let home = tempfile::tempdir().map_err(|e| e.to_string())?;
         let mut out = RunFolder::claim(home.path()).map_err(|e| e.to_string())?;
+        self.run_in(&mut out, sets, fault, None)
+    }
+
+    /// Runs the trial's manifest until `fault` ends it, and goes on from the newest checkpoint.
+    pub fn run_broken(
+        &self,
+        sets: &[(&str, &str)],
+        fault: (InjectionKind, u64),
+    ) -> Result<Trial, String> {
+        let home = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let mut out = RunFolder::claim(home.path()).map_err(|e| e.to_string())?;
+        self.run_in(&mut out, sets, Some(fault), None)?;
+        let from = WholeCheckpoint::find(out.path(), None).map_err(|e| e.to_string())?;
+        let mut out = RunFolder::reclaim(out.path()).map_err(|e| e.to_string())?;
+        self.run_in(&mut out, sets, None, Some(&from))
+    }
+
+    fn run_in(
+        &self,
+        out: &mut RunFolder,
+        sets: &[(&str, &str)],
+        fault: Option<(InjectionKind, u64)>,
+        from: Option<&WholeCheckpoint>,
+    ) -> Result<Trial, String> {
+        let manifest = self.manifest(sets)?;
         let inject = fault
             .map(|(kind, window)| (self.opposite().to_string(), Injection { kind, window }))
             .into_iter()
             .collect();
         let execution = Execution { inject, ..Execution::default() };
-        let folder = self.manifest.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let programs = self.manifest.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let text = |error: crate::run::RunError| match error {
             crate::run::RunError::Input(problems) => manifest.source.render(&problems, false),
             other => other.to_string(),
         };
         let nobody = AtomicUsize::new(0);
-        let ended = prepare(&manifest, folder, out.path(), &execution, &nobody)
+        let path = out.path().to_path_buf();
+        let ended = prepare(&manifest, programs, &path, &execution, &nobody)
             .and_then(|prepared| {
                 let mut terminal = Terminal::new(Style::Silent);
                 prepared.execute(RunCall {
                     manifest: &manifest,
-                    out: &mut out,
+                    out,
                     execution: &execution,
                     terminal: &mut terminal,
                     interrupts: &nobody,
-                    programs: folder,
-                    from: None,
+                    programs,
+                    from,
                 })
             })
             .map_err(text)?;
-        let signals = std::fs::read_to_string(out.file(crate::outputs::SIGNALS))
+        let signals = std::fs::read_to_string(path.join(crate::outputs::SIGNALS))
             .map_err(|e| e.to_string())?;
         Ok(Trial { summary: ended.close(), signals })
     }
