@@ -6,6 +6,7 @@
 use crate::line::Replier;
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
+use std::time::Instant;
 use tremie_messages::start::{Description, Hello, Reply, Resume, checkpoint};
 use tremie_state::{SavedState, StateArchive, StateError, StateExchange, StateHeader};
 
@@ -48,15 +49,20 @@ impl StateKeeper {
         let Some(version) = self.version else { return };
         // The last one is written long since: the orchestrator asks for one at a time.
         self.wait();
+        let begin = Instant::now();
         let state = match SavedState::told(tell) {
             Ok(state) => state,
             Err(error) => return tell_kept(&replier, window, Err(error)),
         };
+        let copied = begin.elapsed().as_nanos() as u64;
         let (component, program) = (self.component.clone(), self.program.clone());
         let header = StateHeader { component, program, version, window };
         let folder = checkpoint::unfinished(&self.output, window);
         let path = checkpoint::state_file(&folder, &self.component);
-        let write = move || tell_kept(&replier, window, state.write(&path, &header));
+        let write = move || {
+            let written = state.write(&path, &header);
+            tell_kept(&replier, window, written.map(|bytes| (bytes, copied)));
+        };
         self.writer = Some(std::thread::spawn(write));
     }
 
@@ -100,9 +106,10 @@ fn name_of(program: &str) -> &str {
     program.split_whitespace().next().unwrap_or(program)
 }
 
-fn tell_kept(replier: &Replier, window: u64, kept: Result<u64, StateError>) {
+/// `kept`: length of the file, and time of the copy [ns].
+fn tell_kept(replier: &Replier, window: u64, kept: Result<(u64, u64), StateError>) {
     let reply = match kept {
-        Ok(bytes) => Reply::Saved { window, bytes },
+        Ok((bytes, copied)) => Reply::Saved { window, bytes, copied },
         Err(error) => Reply::NotSaved { window, why: error.to_string() },
     };
     // A closed line ends the component elsewhere.

@@ -108,6 +108,8 @@ pub enum Reply {
         window: u64,
         /// Length of the file [bytes].
         bytes: u64,
+        /// Time for which the component stood still to copy the state [ns].
+        copied: u64,
     },
     /// The component's state at the end of a checkpoint's window could not be written. The
     /// component goes on.

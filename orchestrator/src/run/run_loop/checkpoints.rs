@@ -51,6 +51,8 @@ pub(super) struct UnderWay {
     own: Option<SavedState>,
     record: CheckpointRecord,
     begun: Instant,
+    /// Longest time that a component stood still to copy its state.
+    copied: Duration,
 }
 
 impl CheckpointKeeping {
@@ -152,8 +154,14 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             time: self.clock.seconds(ticks),
             ..self.checkpoints.record.clone()
         };
-        self.checkpoints.under_way =
-            Some(UnderWay { folder, missing, own: None, record, begun: Instant::now() });
+        self.checkpoints.under_way = Some(UnderWay {
+            folder,
+            missing,
+            own: None,
+            record,
+            begun: Instant::now(),
+            copied: Duration::ZERO,
+        });
         Ok(())
     }
 
@@ -184,18 +192,19 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
     }
 
-    /// A component has written its state.
+    /// A component has written its state: so many bytes, copied in so many nanoseconds.
     pub(super) fn note_kept(
         &mut self,
         index: usize,
         window: u64,
-        bytes: u64,
+        [bytes, copied]: [u64; 2],
     ) -> Result<(), OutputError> {
         let Some(under_way) = self.checkpoints.under_way.as_mut() else { return Ok(()) };
         if under_way.folder.window() != window {
             return Ok(());
         }
         under_way.missing.retain(|other| *other != index);
+        under_way.copied = under_way.copied.max(Duration::from_nanos(copied));
         if let Some(own) = under_way.record.components.get_mut(&self.peers[index].name) {
             own.bytes = bytes;
         }
@@ -250,7 +259,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
 
     fn finish_checkpoint(&mut self) -> Result<(), OutputError> {
         let Some(under_way) = self.checkpoints.under_way.take() else { return Ok(()) };
-        let UnderWay { folder, own: Some(own), record, begun, .. } = under_way else {
+        let UnderWay { folder, own: Some(own), record, begun, copied, .. } = under_way else {
             return Ok(());
         };
         let (window, bytes) = (record.window, record.components.values().map(|c| c.bytes).sum());
@@ -259,10 +268,11 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 self.checkpoints.newest = Some(window);
                 let keep = self.checkpoints.when.keep as usize;
                 remove_old_checkpoints(&self.checkpoints.output, keep);
-                let took = begun.elapsed().as_secs_f64();
+                let [copied, took] = [copied, begun.elapsed()].map(|time| time.as_secs_f64());
                 let size = crate::plan::bytes(bytes);
-                let text =
-                    format!("checkpoint of window {window}: {size}, written {took:.1} s after");
+                let text = format!(
+                    "checkpoint of window {window}: {size}, copied in {copied:.4} s, written {took:.1} s after"
+                );
                 // Into the file only: wall time decides when checkpoints are made, and recordings of
                 // equal runs must be equal.
                 let time = record.time;

@@ -75,7 +75,9 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 }
                 state.finished[index] = true;
             }
-            Reply::Saved { window, bytes } => self.note_kept(index, window, bytes)?,
+            Reply::Saved { window, bytes, copied } => {
+                self.note_kept(index, window, [bytes, copied])?;
+            }
             Reply::NotSaved { window, why } => self.note_not_kept(index, window, &why)?,
             Reply::GaveUp { observer, why } => self.give_up(state, &observer, &why)?,
             Reply::Fault(fault) => return Err(fault.into()),
@@ -106,9 +108,9 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             }
             Reply::Fault(fault) => self.lose_observer(state, index, &fault.message)?,
             Reply::Busy {} => state.heard[index] = Instant::now(),
-            Reply::Saved { window, bytes } => {
+            Reply::Saved { window, bytes, copied } => {
                 state.heard[index] = Instant::now();
-                self.note_kept(index, window, bytes)?;
+                self.note_kept(index, window, [bytes, copied])?;
             }
             Reply::NotSaved { window, why } => self.note_not_kept(index, window, &why)?,
             Reply::Watching {} => state.not_watching.retain(|other| *other != index),
