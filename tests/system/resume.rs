@@ -211,6 +211,7 @@ fn a_damaged_checkpoint_is_named() {
     let errors = |output: Output| String::from_utf8_lossy(&output.stderr).into_owned();
     let said = errors(resume(&ran.out, &[]));
     assert!(said.contains("fluid") && said.contains("damaged"), "{said}");
+    assert_eq!(ran.summary()["status"], "completed", "a refusal changes nothing");
     bytes.truncate(middle);
     std::fs::write(&file, &bytes).unwrap();
     let said = errors(resume(&ran.out, &[]));

@@ -42,7 +42,7 @@ pub fn examine(
         .into_iter()
         .chain(length::finding(spec, plan, descriptions))
         .chain(flow::findings(&spec.scene))
-        .chain(resources::findings(&spec.scene, plan, descriptions, machine))
+        .chain(resources::findings(spec, plan, descriptions, machine))
         .map(JudgedFinding::of_whole);
     own.chain(whole).collect()
 }

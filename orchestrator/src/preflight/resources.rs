@@ -1,6 +1,7 @@
 //! Memory, shared memory and disk that the run needs, against those of the machine.
 
 use super::Machine;
+use crate::manifest::Spec;
 use crate::plan::{Plan, bytes};
 use tremie_channels::memory::SHARED_MEMORY;
 use tremie_messages::Finding;
@@ -24,11 +25,12 @@ const TOLD: u64 = 700;
 
 /// Memory, shared memory and disk that the run takes, as far as that is known.
 pub(super) fn findings(
-    scene: &Scene,
+    spec: &Spec,
     plan: &Plan,
     descriptions: &[Description],
     machine: &Machine,
 ) -> Vec<Finding> {
+    let scene = &spec.scene;
     let shared = plan.shared_memory();
     let need = memory(scene, descriptions) + shared;
     // Doubtful against the free memory, wrong only against all of it: other programs may end.
@@ -41,7 +43,14 @@ pub(super) fn findings(
         ),
         "a larger cell, a smaller domain, or precision = \"f32\" where the fluid offers it",
     );
-    vec![
+    let keep = u64::from(spec.run.checkpoints.keep);
+    let state =
+        if keep > 0 && plan.can_be_kept(descriptions) { states(plan, descriptions) } else { 0 };
+    // One more while the newest is written.
+    let kept = if state > 0 { (keep + 1).saturating_mul(state) } else { 0 };
+    let at_checkpoint =
+        (state > 0).then(|| within("memory at a checkpoint", need + state, machine.available));
+    let mut all = vec![
         memory,
         within("shared memory", shared, machine.shared).wrong_if(
             machine.shared.is_some_and(|room| shared > room),
@@ -52,8 +61,20 @@ pub(super) fn findings(
             ),
             "make it larger (mount -o remount,size=.. /dev/shm; docker run --shm-size=..), send frames of fewer values, or use --in-process",
         ),
-        within("disk, at most", disk(plan, descriptions), machine.disk),
-    ]
+        within(
+            "disk, at most",
+            disk(plan, descriptions).saturating_add(kept),
+            machine.disk,
+        ),
+    ];
+    all.splice(1..1, at_checkpoint);
+    all
+}
+
+/// Most bytes that the states of the physics take: it can hardly be more than their memory.
+fn states(plan: &Plan, descriptions: &[Description]) -> u64 {
+    let physics = plan.components.iter().zip(descriptions);
+    physics.filter(|(c, _)| c.role != Role::Observer).map(|(_, d)| d.memory).sum()
 }
 
 /// Memory of all processes, without shared memory [bytes].
@@ -78,9 +99,12 @@ fn within(quantity: &str, need: u64, room: Option<u64>) -> Finding {
     let tight = need as f64 > COMFORT * room as f64;
     let remedy = match quantity {
         "memory" => "close other programs, or take a larger cell or a smaller domain",
+        "memory at a checkpoint" => {
+            "make no checkpoints (run.checkpoints.keep = 0), or take a larger cell or a smaller domain"
+        }
         "shared memory" => "make /dev/shm larger, or send frames of fewer values",
         _ => {
-            "make room, write fewer frames (outputs.frames) and rows (outputs.signals), or choose another --out"
+            "make room, write fewer frames (outputs.frames) and rows (outputs.signals), keep fewer checkpoints (run.checkpoints.keep), or choose another --out"
         }
     };
     finding.because(format!("{} of {} that are free", bytes(need), bytes(room))).doubtful_if(

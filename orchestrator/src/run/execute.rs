@@ -97,7 +97,6 @@ impl Prepared {
         }
         // Also where the caller has checked: other programs may have taken memory meanwhile.
         self.fits(execution)?;
-        let prefix = sweep::prefix_of(self.run);
         if !execution.in_process {
             limits::explain_bus_errors();
         }
@@ -106,25 +105,12 @@ impl Prepared {
         let names = self.signal_names();
         let (table, log, trace) =
             self.open_outputs(manifest, out, execution, (&names, from.is_some()))?;
+        let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
+        if from.is_some() {
+            // Only now: where the components refuse their states, the run has ended as it had.
+            out.forget_end()?;
+        }
         let first = from.map_or(0, |from| from.record.window);
-
-        let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
-        let root = places.root();
-        let poll = execution.poll.unwrap_or(POLL);
-        let assignments =
-            self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll, from);
-        let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
-        // Before the assignments: the orchestrator creates its ends before components open theirs.
-        let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
-        if let Err(error) = self.assign(&assignments, manifest, interrupts, from) {
-            end_all(&mut self.peers, QUIT_GRACE);
-            return Err(error);
-        }
-        if !execution.in_process {
-            // All channels are there, and nothing was sent yet: no page has been touched.
-            memory::commit(&prefix)?;
-        }
-
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
         let checkpoints = CheckpointKeeping::new(
@@ -149,7 +135,7 @@ impl Prepared {
             lossless: self.plan.lossless_observers(),
             clock: self.plan.clock,
             windows: self.plan.windows,
-            report_depth: assignments[0].transport.report_depth,
+            report_depth: REPORT_DEPTH,
             deadline: spec.run.deadline,
             stop: StopConditions::new(&spec.stop_when, &names),
             table,
@@ -178,6 +164,36 @@ impl Prepared {
         Ok(Ended { summary, peers: self.peers, news: self.news, _places: self.places })
     }
 
+    /// Gives the components their assignments; returns the orchestrator's ends of the channels when all
+    /// are ready.
+    fn start_components<S: ChannelMedium>(
+        &mut self,
+        manifest: &Manifest,
+        execution: &Execution,
+        interrupts: &AtomicUsize,
+        from: Option<&WholeCheckpoint>,
+    ) -> Result<Control<S>, RunError> {
+        let prefix = sweep::prefix_of(self.run);
+        let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
+        let root = places.root();
+        let poll = execution.poll.unwrap_or(POLL);
+        let deadline = manifest.spec.run.deadline;
+        let assignments =
+            self.assignments(&root, &prefix, execution.in_process, deadline, poll, from);
+        let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
+        // Before the assignments: the orchestrator creates its ends before components open theirs.
+        let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
+        if let Err(error) = self.assign(&assignments, manifest, interrupts, from) {
+            end_all(&mut self.peers, QUIT_GRACE);
+            return Err(error);
+        }
+        if !execution.in_process {
+            // All channels are there, and nothing was sent yet: no page has been touched.
+            memory::commit(&prefix)?;
+        }
+        Ok(control)
+    }
+
     fn open_outputs(
         &self,
         manifest: &Manifest,
@@ -190,7 +206,6 @@ impl Prepared {
         let (every, clock, table) =
             (self.plan.signal_rows_every, self.plan.clock, at(outputs::SIGNALS));
         let (table, log) = if goes_on {
-            out.forget_end()?;
             (SignalTable::reopen(&table, clock, every, names)?, RunLog::reopen(&at(outputs::LOG))?)
         } else {
             (SignalTable::create(&table, clock, every, names)?, RunLog::create(&at(outputs::LOG))?)
