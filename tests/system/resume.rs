@@ -3,6 +3,7 @@
 
 use crate::inlets::STREAM;
 use crate::profiles::SHOWER;
+use crate::rubber::Valve;
 use crate::running::{Running, until};
 use crate::tremie::{
     Ran, SMALL, description, left_nothing, run, run_text, script, small_with_fluid, tremie,
@@ -134,6 +135,15 @@ fn a_lattice_with_grains_that_come_and_go_goes_on() {
 fn grains_with_friction_and_profiles_go_on() {
     let shower = |options: &[&str]| run_text(SHOWER, options);
     assert_resumes(shower, (150, "grains:kill@500"), &[], &[]);
+}
+
+#[test]
+fn spheres_under_a_rubber_ring_go_on() {
+    let valve = Valve::on_rough_spheres();
+    let pressed = |options: &[&str]| valve.run(options);
+    let short = ["--until", "1.2 ms"];
+    assert_resumes(pressed, (60, "grains:kill@217"), &short, &[]);
+    assert_resumes(pressed, (45, "rubber:kill@188"), &short, &["--in-process"]);
 }
 
 /// Starts a run of [`DAM`] with checkpoints, and waits for the first.

@@ -81,13 +81,24 @@ record = false
 "#;
 
 /// The manifest and the ring's table, in a folder of their own.
-struct Valve {
+pub struct Valve {
     home: tempfile::TempDir,
     table: Table,
 }
 
 impl Valve {
     fn new() -> Self {
+        Self::on_beads(VALVE)
+    }
+
+    /// With friction on spheres that gravity draws along the floor.
+    pub fn on_rough_spheres() -> Self {
+        let rough = "tangential_stiffness = \"5e4 N/m\"\nfriction = 0.3";
+        let text = VALVE.replace("tangential_stiffness = \"0 N/m\"", rough);
+        Self::on_beads(&format!("scene.gravity = [\"4 m/s2\", \"0 m/s2\", \"-9 m/s2\"]\n{text}"))
+    }
+
+    fn on_beads(text: &str) -> Self {
         // In the middle of every other sector: there the foot is a flat facet, not an edge.
         let bead = |k: usize| {
             let (sin, cos) = (std::f64::consts::PI * (4 * k + 1) as f64 / 24.0).sin_cos();
@@ -97,7 +108,7 @@ impl Valve {
             )
         };
         let beads: Vec<String> = (0..12).map(bead).collect();
-        Self::of(&VALVE.replace("    BEADS", &beads.join("\n")))
+        Self::of(&text.replace("    BEADS", &beads.join("\n")))
     }
 
     fn of(text: &str) -> Self {
@@ -109,7 +120,7 @@ impl Valve {
         Self { home, table }
     }
 
-    fn run(&self, options: &[&str]) -> Ran {
+    pub fn run(&self, options: &[&str]) -> Ran {
         run(self.home.path().to_str().unwrap(), options)
     }
 }

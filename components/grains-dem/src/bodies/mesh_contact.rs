@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::wall_triangle::{Triangle, border};
 
 /// A point of a wall within reach of a sphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct WallPoint {
     /// Unit vector from the point to the centre of the sphere.
     pub normal: Vec3,
@@ -53,7 +53,8 @@ const OUT: f64 = 1e-5;
 const TIE: f64 = 1e-9;
 
 /// The contacts found, in the order described above.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(into = "Vec<WallPoint>", try_from = "Vec<WallPoint>")]
 pub(crate) struct WallPoints {
     list: [WallPoint; MOST],
     count: usize,
@@ -70,6 +71,23 @@ impl WallPoints {
 
     pub fn contacts(&self) -> &[WallPoint] {
         &self.list[..self.count]
+    }
+}
+
+impl From<WallPoints> for Vec<WallPoint> {
+    fn from(found: WallPoints) -> Self {
+        found.contacts().to_vec()
+    }
+}
+
+impl TryFrom<Vec<WallPoint>> for WallPoints {
+    type Error = String;
+
+    fn try_from(points: Vec<WallPoint>) -> Result<Self, String> {
+        let (mut found, count) = (Self::NONE, points.len());
+        let room = found.list.get_mut(..count);
+        room.ok_or_else(|| format!("a sphere has {count} contacts"))?.copy_from_slice(&points);
+        Ok(Self { count, ..found })
     }
 }
 

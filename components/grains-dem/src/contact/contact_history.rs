@@ -45,6 +45,12 @@ impl WallContactHistory {
         &self.list[..self.count]
     }
 
+    /// True if it holds no more than there is room for, under laws of which there are so many.
+    pub fn is_sound(&self, laws: usize) -> bool {
+        let held = self.list.get(..self.count);
+        held.is_some_and(|held| held.iter().all(|one| usize::from(one.law) < laws))
+    }
+
     pub fn clear(&mut self) {
         self.count = 0;
     }

@@ -62,8 +62,7 @@ impl Grains for SoftSpheres {
             warnings: warnings(&setup.hello.scene, &resolution),
             profiles: setup.hello.scene.profiles.iter().map(profile_spec).collect(),
             resolution: numbers(&resolution),
-            // Contacts with surfaces that deform are not kept yet.
-            state: setup.hello.scene.surfaces.is_empty().then_some(GrainsDem::STATE_VERSION),
+            state: Some(GrainsDem::STATE_VERSION),
             ..Description::default()
         })
     }

@@ -7,16 +7,13 @@ impl KeepsState for GrainsDem {
     const STATE_VERSION: u32 = 1;
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        if !self.search.surfaces.held.is_empty() {
-            return state.unfit("contacts with surfaces that deform are not kept yet");
-        }
         self.exchange_bodies(state)?;
         for (k, part) in self.around.parts.iter_mut().enumerate() {
             state.within(&format!("part{k}"), |state| part.exchange(state))?;
         }
-        let Self { search, threads, population, record, fluid, stepping, .. } = self;
-        let seen = (&mut threads.team, &population.bodies);
-        state.within("contacts", |state| search.exchange(state, seen))?;
+        let Self { search, around, threads, population, record, fluid, stepping, .. } = self;
+        let seen = (&population.bodies, &*around);
+        state.within("contacts", |state| search.exchange(state, &mut threads.team, seen))?;
         state.within("record", |state| record.exchange(state))?;
         state.value("loaded", &mut fluid.loaded)?;
         state.value("fluid_impulse", &mut fluid.fluid_impulse)?;

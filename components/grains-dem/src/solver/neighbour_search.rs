@@ -87,12 +87,13 @@ impl Search {
         }
     }
 
-    /// Keeps the lists with what contacts remember, or puts them back, for bodies that are back
-    /// already. Surfaces that deform are not kept.
+    /// Keeps the lists with what contacts remember, or puts them back, for bodies and
+    /// parts that are back already.
     pub fn exchange(
         &mut self,
         state: &mut StateExchange<'_>,
-        (team, bodies): (&mut Team, &Bodies),
+        team: &mut Team,
+        (bodies, around): (&Bodies, &InteractionContext),
     ) -> Result<(), StateError> {
         self.pairs.forget_ended();
         state.value("pairs", &mut self.pairs)?;
@@ -107,9 +108,8 @@ impl Search {
             // Classes of sizes are those of the bodies in their order in memory.
             self.cells.sort(&bodies.balls);
             self.pairs.find_acting(team);
-            self.surfaces.fit(bodies.len());
         }
-        Ok(())
+        self.surfaces.exchange(state, &around.near_surfaces(bodies, self.cells.skins()))
     }
 
     /// Classes of sizes, and their skins.

@@ -13,6 +13,7 @@ use crate::walls::part_contacts::PartContacts;
 use crate::walls::reached_walls::Reached;
 use crate::walls::surface_contacts::{SurfaceContacts, SurfaceSurroundings, WallsBeside};
 use tremie_grains_kit::space::plane_walls::Wall;
+use tremie_state::{StateError, StateExchange};
 
 /// The surfaces of a run.
 #[derive(Clone, Debug, Default)]
@@ -51,10 +52,48 @@ impl Surfaces {
         own
     }
 
-    /// Gives each block of so many bodies its place in the list of those near, which is empty.
-    pub fn fit(&mut self, bodies: usize) {
-        self.on.bounds.clear();
+    /// Gives each block of so many bodies its place in the list of those near.
+    fn fit(&mut self, bodies: usize) {
         self.on.bounds.resize(bodies.div_ceil(BLOCK) + 1, 0);
+        self.on.give_bounds();
+    }
+
+    /// Keeps what surfaces remember and do to bodies at a window's end, or puts it back, beside
+    /// bodies and seats that are back already.
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        around: &SurfaceSurroundings<'_>,
+    ) -> Result<(), StateError> {
+        for (number, held) in self.held.iter_mut().enumerate() {
+            let name = format!("surface{number}");
+            state.within(&name, |state| held.exchange(state, around))?;
+        }
+        if !self.held.is_empty() {
+            state.list("near_surfaces", &mut self.on.bodies)?;
+            state.value("by_surfaces", &mut self.on.wrench)?;
+        }
+        if state.restores() {
+            let bodies = around.bodies.len();
+            if !self.has_places(bodies) {
+                return state.unfit("the state has contacts of other bodies with surfaces");
+            }
+            self.fit(bodies);
+            self.give_room();
+        }
+        Ok(())
+    }
+
+    /// True if each of so many bodies that is near a surface has its place.
+    fn has_places(&self, bodies: usize) -> bool {
+        let near = &self.on.bodies;
+        let ascend = near.is_sorted_by(|a, b| a < b);
+        let exist = near.last().is_none_or(|&last| (last as usize) < bodies);
+        let placed = |held: &SurfaceContacts| {
+            let mut entries = held.entries.iter();
+            held.is_stale() || entries.all(|e| near.get(e.place as usize) == Some(&e.body))
+        };
+        ascend && exist && near.len() == self.on.wrench.len() && self.held.iter().all(placed)
     }
 
     /// Bodies moved, and what they reach with them.
@@ -87,8 +126,7 @@ impl Surfaces {
                 self.on.wrench.push(wrench[place]);
             }
         }
-        self.on.bounds.resize(previous.len().div_ceil(BLOCK) + 1, 0);
-        self.on.give_bounds();
+        self.fit(previous.len());
         self.give_room();
     }
 

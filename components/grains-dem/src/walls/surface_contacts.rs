@@ -1,6 +1,7 @@
 //! Spheres on surfaces that deform, and the seats of these: trials and histories of contacts.
 
 mod facet_lists;
+mod kept;
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Wrench};
@@ -17,11 +18,12 @@ use crate::walls::reached_walls::{Reached, of_surface, together};
 use crate::walls::rigid_seat_contact::Seat;
 use facet_lists::Box3;
 pub(crate) use facet_lists::SurfaceSurroundings;
+use serde::{Deserialize, Serialize};
 use tremie_grains_kit::space::wall_triangle::Triangle;
 use tremie_team::{Variant, instructions::Work};
 
 /// A sphere near a surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct SphereAtSurface {
     /// Id of the body, and where it stands in memory.
     id: u64,

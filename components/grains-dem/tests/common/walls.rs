@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use tempfile::NamedTempFile;
+use tremie_grains_dem::DeformableSurface;
 use tremie_messages::scene::{Geometry, Motion, MotionPoint, Part, PartBoundary, Plane, Pose};
 
 /// Height of the walls of [`cuts`] [m].
@@ -24,6 +25,42 @@ pub fn part(geometry: Geometry, position: [f64; 3]) -> Part {
 pub fn block(min: [f64; 3], max: [f64; 3]) -> Part {
     let size = [0, 1, 2].map(|a| 1e-3 * (max[a] - min[a]));
     part(Geometry::Box { size }, [0, 1, 2].map(|a| 0.5e-3 * (max[a] + min[a])))
+}
+
+/// A block of rubber between two corners [mm], its faces cut into squares of two triangles, so many
+/// along each edge.
+pub fn rubber(low: [f64; 3], high: [f64; 3], cuts: usize) -> DeformableSurface {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for (axis, side) in (0..6).map(|k| (k / 2, k % 2)) {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let at = |i: usize, j: usize| {
+            let mut x = if side == 1 { high } else { low };
+            for (a, k) in [(u, i), (v, j)] {
+                x[a] = low[a] + (high[a] - low[a]) * k as f64 / cuts as f64;
+            }
+            x.map(|x| 1e-3 * x)
+        };
+        for (i, j) in (0..cuts * cuts).map(|k| (k / cuts, k % cuts)) {
+            let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            let mut number = |x: [f64; 3]| {
+                let known = vertices.iter().position(|&y| y == x);
+                known.unwrap_or_else(|| {
+                    vertices.push(x);
+                    vertices.len() - 1
+                }) as u32
+            };
+            let [a, b, c, d] = corners.map(&mut number);
+            let turned = |[a, b, c]: [u32; 3]| if side == 1 { [a, b, c] } else { [a, c, b] };
+            triangles.extend([turned([a, b, c]), turned([a, c, d])]);
+        }
+    }
+    DeformableSurface {
+        triangles,
+        vertices,
+        carrier: 0,
+        material: "wall".into(),
+        seat_stiffness: 1e10,
+    }
 }
 
 /// A box of 4 x 1 x 3 mm about a place, which goes along x and turns.

@@ -10,6 +10,7 @@ mod exchange;
 mod impulse;
 mod integrators;
 mod kept_state;
+mod kept_surfaces;
 mod order;
 mod pile;
 mod ports;

@@ -55,6 +55,11 @@ impl SurfaceContacts {
         self.stale = true;
     }
 
+    /// True if lists do not hold for any shape.
+    pub fn is_stale(&self) -> bool {
+        self.stale
+    }
+
     /// Forgets the bodies that are not among `ids`, which ascend.
     pub fn forget(&mut self, ids: &[u64]) {
         self.entries.retain(|entry| ids.binary_search(&entry.id).is_ok());
@@ -119,12 +124,17 @@ impl SurfaceContacts {
                 }
             }
         }
+        self.begin_looks();
+        self.found.clear();
+        self.found.resize(self.entries.len(), WallPoints::NONE);
+    }
+
+    /// Each entry is to look at all its facets.
+    pub(super) fn begin_looks(&mut self) {
         self.looked.clear();
         self.looked.resize(self.entries.len(), LookedFrom::NEVER);
         self.distances.clear();
         self.distances.resize(self.facets.len(), 0.0);
-        self.found.clear();
-        self.found.resize(self.entries.len(), WallPoints::NONE);
     }
 
     /// Adds the facets near a place.
