@@ -48,12 +48,14 @@ fn descriptions() -> Vec<(String, Description)> {
         slices: vec![SliceSpec { name: "xz".into(), nodes: 500 }],
         warnings: vec!["too coarse".into()],
         notes: vec!["16 cells across".into()],
+        state: Some(1),
         ..Description::default()
     };
     let grains = Description {
         program: "grains-dem 0.1".into(),
         step: Some(5e-8),
         bodies: 40,
+        state: Some(1),
         signals: vec![signal("max_speed")],
         ..Description::default()
     };
@@ -84,6 +86,17 @@ fn transport() -> Transport {
 
 fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * b.abs()
+}
+
+#[test]
+fn a_component_without_a_state_is_named_if_checkpoints_are_wanted() {
+    let mut described = descriptions();
+    described[0].1.state = None;
+    let notes = |sets: &[(&str, &str)]| {
+        make(&spec(sets), &described, &Options::default()).unwrap().notes.join("\n")
+    };
+    assert!(notes(&[]).contains("fluid (fluid-lbm 0.1) keeps no state"), "{}", notes(&[]));
+    assert!(!notes(&[("run.checkpoints.keep", "0")]).contains("state"));
 }
 
 #[test]

@@ -36,6 +36,7 @@ pub fn wall_time(
     let mut manifest = manifest.clone();
     manifest.spec.components.retain(|component| component.role != Role::Observer);
     manifest.spec.stop_when.clear();
+    manifest.spec.run.checkpoints.keep = 0;
     let mut done = (0, 0.0);
     for time in TRIES {
         let (ending, count, seconds) = some_windows(&manifest, folder, time, interrupts)?;

@@ -21,8 +21,12 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             (0, _) => Ok(()),
             (1, None) => {
                 if before == 0 {
+                    let what = match self.can_begin_checkpoint(state) {
+                        true => "with whole outputs and a checkpoint",
+                        false => "with whole outputs",
+                    };
                     self.terminal
-                        .say("ending in order, with whole outputs; once more to end at once");
+                        .say(&format!("ending in order, {what}; once more to end at once"));
                 }
                 if self.checkpoints.under_way.is_some() && state.not_watching.is_empty() {
                     // Its window must be reached, and the next checkpoint is that of the end.
