@@ -7,6 +7,7 @@
 use crate::grid::staggered_grid::StaggeredGrid;
 use crate::pressure::body_coupling::{BodyCoupling, Wrench};
 use crate::solids::rigid_body::{RigidBody, cross, padded};
+use std::collections::BTreeMap;
 
 /// Distance that particles keep from bodies and walls, in edges of cells.
 pub const MARGIN: f64 = 1e-3;
@@ -80,6 +81,8 @@ pub struct OpenFractions<const D: usize> {
     is_near: Vec<bool>,
     /// Pairs of a cell and a solid near it, sorted: solids at rest.
     near: Vec<(u32, u32)>,
+    /// By what the bodies are known that have these numbers, in their order.
+    placed: Vec<u64>,
     rest: AtRest<D>,
     is_closed: [[bool; 2]; D],
 }
@@ -135,6 +138,7 @@ impl<const D: usize> OpenFractions<D> {
             touched: Vec::new(),
             is_near: vec![false; grid.stored],
             near: Vec::new(),
+            placed: Vec::new(),
             rest,
             is_closed,
         };
@@ -182,7 +186,31 @@ impl<const D: usize> OpenFractions<D> {
         }
         self.has_changed |= !self.touched.is_empty();
         self.near.sort_unstable();
+        self.placed.clear();
+        self.placed.extend(bodies.iter().map(|body| body.id));
         self.fill_ghosts(grid);
+    }
+
+    /// Gives the bodies near cells the numbers that they have in another list, before the bodies of
+    /// that list are placed: those that went are near no cell any more, and those that came not yet.
+    pub fn follow(&mut self, bodies: &[RigidBody<D>]) {
+        if self.placed.iter().eq(bodies.iter().map(|body| &body.id)) {
+            return;
+        }
+        let first = self.at_rest.len() as u32;
+        let mut numbers = BTreeMap::new();
+        for (number, body) in (first..).zip(bodies) {
+            numbers.entry(body.id).or_insert(number);
+        }
+        self.near.retain_mut(|(_, number)| {
+            let id = self.placed[(*number - first) as usize];
+            let now = numbers.get(&id).copied();
+            *number = now.unwrap_or(NONE);
+            now.is_some()
+        });
+        self.near.sort_unstable();
+        self.placed.clear();
+        self.placed.extend(bodies.iter().map(|body| body.id));
     }
 
     fn fill_ghosts(&mut self, grid: &StaggeredGrid<D>) {

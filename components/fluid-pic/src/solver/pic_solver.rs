@@ -243,8 +243,9 @@ impl<const D: usize> PicSolver<D> {
     }
 
     /// The second part of a step: particles take the velocities, move, and leave bodies, which are
-    /// where the step ends.
+    /// where the step ends. Bodies may have gone since the first part, or have come.
     pub fn move_particles(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
+        self.fractions.follow(bodies);
         let margin = MARGIN * self.grid.spacing;
         self.find_adrift();
         let [lower, upper] =

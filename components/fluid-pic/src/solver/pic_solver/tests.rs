@@ -452,3 +452,33 @@ fn water_slides_down_a_slope_without_friction() {
         assert!((along / free - 1.0).abs() < 0.02, "{degrees}: {along}, {free}");
     }
 }
+
+/// Bodies that stay push the fluid out, whichever of the others went and whoever came.
+#[test]
+fn bodies_that_stay_push_the_fluid_out() {
+    let disc = |id: u64, x: f64, y: f64| RigidBody { id, ..RigidBody::ball([x, y], 0.1) };
+    let row = |y: f64| [(2, 0.2), (4, 0.5), (6, 0.8)].map(|(id, x)| disc(id, x, y));
+    for gone in 0..3 {
+        for new in [None, Some(1), Some(5), Some(7)] {
+            let settings = PicSettings::water([0.0, -9.81]);
+            let mut solver = full([40, 32], 0.025, settings, 1, |x: [f64; 2]| x[1] < 0.5);
+            solver.remove_inside(&row(0.3));
+            assert!(solver.find_loads(1e-3, &row(0.3), &mut Vec::new()).converged);
+            let mut bodies = row(0.29).to_vec();
+            bodies.remove(gone);
+            let stay = bodies.clone();
+            bodies.extend(new.map(|id| disc(id, 0.5, 0.7)));
+            bodies.sort_by_key(|body| body.id);
+            solver.move_particles(1e-3, &bodies);
+            let (particles, margin) = (&solver.particles, 0.999 * MARGIN * solver.grid.spacing);
+            let is_out = |body: &RigidBody<2>, k: usize| {
+                body.height(particles.at(k), 1.0).is_none_or(|(height, _)| height >= margin)
+            };
+            for body in &stay {
+                let inside = (0..particles.len()).filter(|&k| !is_out(body, k)).count();
+                assert_eq!(inside, 0, "in body {} without number {gone}, {new:?} new", body.id);
+            }
+            assert!(solver.find_loads(1e-3, &bodies, &mut Vec::new()).converged);
+        }
+    }
+}
