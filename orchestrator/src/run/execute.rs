@@ -113,14 +113,7 @@ impl Prepared {
         let first = from.map_or(0, |from| from.record.window);
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
-        let checkpoints = CheckpointKeeping::new(
-            spec.run.checkpoints,
-            self.plan.can_be_kept(&self.descriptions),
-            self.checkpoint_record(programs),
-            manifest.resolved(),
-            out.path().to_path_buf(),
-            first,
-        );
+        let checkpoints = self.checkpoints(manifest, programs, out.path(), first);
         let monitor = self.monitor(&physics, from.map(|from| from.record.window));
         let drive = RunLoop {
             control,
@@ -217,6 +210,24 @@ impl Prepared {
             Trace::create(&at(outputs::TRACE), windows.clone(), names)
         });
         Ok((table, log, trace.transpose()?))
+    }
+
+    /// Checkpoints of a run from window `first` on.
+    fn checkpoints(
+        &self,
+        manifest: &Manifest,
+        programs: &Path,
+        out: &Path,
+        first: u64,
+    ) -> CheckpointKeeping {
+        CheckpointKeeping::new(
+            manifest.spec.run.checkpoints,
+            self.plan.can_be_kept(&self.descriptions),
+            self.checkpoint_record(programs),
+            manifest.resolved(),
+            out.to_path_buf(),
+            first,
+        )
     }
 
     /// Monitor of the physics, whose deadlines count from now on; the windows up to `done` were made
