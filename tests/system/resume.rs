@@ -119,6 +119,10 @@ fn a_gas_and_hard_spheres_go_on_on_another_number_of_threads() {
     let shock = |options: &[&str]| run(SHOCK, options);
     assert_resumes(shock, (6, "fluid:exit@11"), &one, &two);
     assert_resumes(shock, (3, "grains:drop@17"), &["--schedule", "parallel"], &[]);
+    // In the very window of a checkpoint: the state has what was lost on its way, and the recording's
+    // state no word of the fault.
+    let record = ["--set", "outputs.record=true"];
+    assert_resumes(shock, (3, "fluid:drop@15"), &record, &[]);
 }
 
 #[test]

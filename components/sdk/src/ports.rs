@@ -320,13 +320,18 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
 
     /// Sends `loan` with the stamp of the present window.
     pub fn send(&self, context: &Context<S>, mut loan: Loan<S, Stamp, T>) -> Result<(), Stop> {
+        self.keep_under_way(context, loan.values());
+        let sent = loan.send(self.stamp(context)).and_then(|()| self.ringer.ring());
+        sent.map_err(|error| self.broken(error, context.window))
+    }
+
+    /// Remembers the message of a checkpoint's window, if it is under way at the window's end.
+    fn keep_under_way(&self, context: &Context<S>, values: &[T]) {
         if context.keeps_state()
             && let Some(kept) = &self.under_way
         {
-            kept.replace(loan.values().to_vec());
+            kept.replace(values.to_vec());
         }
-        let sent = loan.send(self.stamp(context)).and_then(|()| self.ringer.ring());
-        sent.map_err(|error| self.broken(error, context.window))
     }
 
     /// Keeps the message that is under way at the end of a checkpoint's window, or puts it back.
@@ -370,6 +375,8 @@ impl<S: ChannelMedium, T: Finite> OutPort<S, T> {
         match context.injection() {
             None => self.send(context, loan),
             Some(kind) => {
+                // Damaged on its way: the state has it as it was.
+                self.keep_under_way(context, loan.values());
                 self.send_damaged(loan, self.stamp(context), kind)?;
                 Ok(self.ringer.ring()?)
             }

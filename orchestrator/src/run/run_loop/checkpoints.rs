@@ -55,6 +55,13 @@ pub(super) struct UnderWay {
     copied: Duration,
 }
 
+impl UnderWay {
+    /// Its window.
+    pub(super) fn window(&self) -> u64 {
+        self.folder.window()
+    }
+}
+
 impl CheckpointKeeping {
     /// Keeps checkpoints from window `first` on.
     pub fn new(

@@ -32,7 +32,6 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                     // Its window must be reached, and the next checkpoint is that of the end.
                     return Ok(());
                 }
-                self.note(LogLevel::Info, ORCHESTRATOR, "the user asked for the end")?;
                 // Not earlier: some components may have advanced through all that was granted.
                 let mut last = state.granted.unwrap_or(self.first);
                 if last > self.first && self.can_begin_checkpoint(state) {
@@ -40,6 +39,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                     // A window after it: a run that goes on makes no end where this one does.
                     last += 2;
                 }
+                self.note(LogLevel::Info, ORCHESTRATOR, "the user asked for the end")?;
                 self.ask_to_finish(state, last, Ending::Interrupted)
             }
             (1, Some(last)) => {

@@ -70,7 +70,12 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         message: &str,
     ) -> Result<(), OutputError> {
         let window = self.monitor.common_window().unwrap_or(0);
-        self.note_at(window, level, from, message)
+        // What has no place in a run that goes on from a checkpoint under way comes after it: observers
+        // hold it back until they have kept their states.
+        let after = self.checkpoints.under_way.as_ref().map_or(0, |it| it.window() + 1);
+        self.show(window.max(after), level, from, message);
+        let time = self.clock.seconds(window * self.clock.ticks_per_window);
+        self.log.write(level, from, window, time, message)
     }
 
     /// As [`RunLoop::note`], for a given window: a line that depends on the physics alone must not
@@ -82,15 +87,21 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         from: &str,
         message: &str,
     ) -> Result<(), OutputError> {
-        let ticks = window * self.clock.ticks_per_window;
+        self.show(window, level, from, message);
+        let time = self.clock.seconds(window * self.clock.ticks_per_window);
+        self.log.write(level, from, window, time, message)
+    }
+
+    /// Shows a line to observers.
+    fn show(&self, window: u64, level: LogLevel, from: &str, message: &str) {
         let code = match level {
             LogLevel::Info => LogHeader::INFO,
             LogLevel::Warning => LogHeader::WARNING,
             LogLevel::Error => LogHeader::ERROR,
         };
         let mut header = LogHeader { level: code, ..LogHeader::default() };
-        (header.stamp.window, header.stamp.ticks) = (window, ticks);
+        header.stamp.window = window;
+        header.stamp.ticks = window * self.clock.ticks_per_window;
         self.control.log(header, &format!("{from}: {message}"));
-        self.log.write(level, from, window, self.clock.seconds(ticks), message)
     }
 }
