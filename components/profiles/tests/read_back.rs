@@ -1,36 +1,15 @@
 //! Files are read back by an independent reader, and equal the tables sent.
 
 mod reader;
+mod two_profiles;
 
 use reader::read_npz;
 use std::path::Path;
 use tremie_messages::Stamp;
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
-use tremie_messages::scene::{BinnedAxis, Domain, Face, GrainProfile, ProfileVelocity, Scene};
-use tremie_messages::start::Clock;
 use tremie_profiles::ProfileWriter;
-use tremie_sdk::{Moment, Observer, Setup};
-use tremie_test_support::observers;
-
-fn profile(name: &str, axes: &[(usize, usize)]) -> GrainProfile {
-    GrainProfile {
-        name: name.into(),
-        axes: axes.iter().map(|&(axis, bins)| BinnedAxis { axis, bins }).collect(),
-        min: [0.0; 3],
-        max: [1.0, 1.0, 0.5],
-        from: 0.0,
-        every: None,
-        average: Some(5e-3),
-        velocity: ProfileVelocity::Instantaneous,
-    }
-}
-
-fn setup(output: &Path) -> Setup {
-    let domain = Domain::new([0.0; 3], [1.0; 3], Face::WALLS);
-    let profiles = vec![profile("plane", &[(2, 2), (0, 4)]), profile("line", &[(1, 3)])];
-    let scene = Scene { profiles, ..Scene::empty(domain) };
-    observers::setup("profiles", scene, Clock { tick: 1e-3, ticks_per_window: 1 }, 20, output)
-}
+use tremie_sdk::{Moment, Observer};
+use two_profiles::setup;
 
 fn bins(window: u64, count: usize) -> Vec<ProfileBin> {
     let bin = |k: usize| {

@@ -1,35 +1,14 @@
 //! Tables of a run that goes on from a checkpoint are those of one that was never interrupted.
 
+mod two_profiles;
+
 use std::path::Path;
 use tremie_messages::Stamp;
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
-use tremie_messages::scene::{BinnedAxis, Domain, Face, GrainProfile, ProfileVelocity, Scene};
-use tremie_messages::start::Clock;
 use tremie_profiles::ProfileWriter;
-use tremie_sdk::{Moment, Observer, Setup};
+use tremie_sdk::{Moment, Observer};
 use tremie_test_support::interrupted::InterruptedRun;
-use tremie_test_support::observers;
-
-const LAST: u64 = 20;
-
-fn profile(name: &str, axes: &[(usize, usize)]) -> GrainProfile {
-    GrainProfile {
-        name: name.into(),
-        axes: axes.iter().map(|&(axis, bins)| BinnedAxis { axis, bins }).collect(),
-        min: [0.0; 3],
-        max: [1.0, 1.0, 0.5],
-        from: 0.0,
-        every: None,
-        average: Some(5e-3),
-        velocity: ProfileVelocity::Instantaneous,
-    }
-}
-
-fn setup(output: &Path) -> Setup {
-    let profiles = vec![profile("plane", &[(2, 2), (0, 4)]), profile("line", &[(1, 3)])];
-    let scene = Scene { profiles, ..Scene::empty(Domain::new([0.0; 3], [1.0; 3], Face::WALLS)) };
-    observers::setup("profiles", scene, Clock { tick: 1e-3, ticks_per_window: 1 }, LAST, output)
-}
+use two_profiles::{LAST, profile, setup};
 
 /// One profile has a table every third window, the other every seventh.
 fn feed(writer: &mut ProfileWriter, window: u64) {

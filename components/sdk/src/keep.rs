@@ -4,6 +4,7 @@
 //! and tells the orchestrator when the disk has it.
 
 use crate::line::Replier;
+use crate::roles::no_state;
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -26,7 +27,7 @@ impl StateKeeper {
     pub fn new(hello: &Hello, description: &Description) -> Self {
         Self {
             component: hello.component.clone(),
-            program: name_of(&description.program).to_string(),
+            program: program_name(&description.program).to_string(),
             output: PathBuf::from(&hello.output),
             version: description.state,
             writer: None,
@@ -83,7 +84,7 @@ impl StateKeeper {
     ) -> Result<(), StateError> {
         let path = checkpoint::state_file(Path::new(&resume.folder), &self.component);
         let Some(version) = self.version else {
-            return Err(StateError::Unfit(format!("{} keeps no state", self.program)));
+            return Err(no_state(&self.program));
         };
         let mut archive = StateArchive::open(&path)?;
         if archive.header().window != resume.window {
@@ -101,8 +102,9 @@ impl Drop for StateKeeper {
     }
 }
 
-/// The name of a program, which has its version after it.
-fn name_of(program: &str) -> &str {
+/// The name of a program as it describes itself, without the version after it: by this name its states are
+/// told from another's.
+pub fn program_name(program: &str) -> &str {
     program.split_whitespace().next().unwrap_or(program)
 }
 

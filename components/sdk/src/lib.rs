@@ -38,6 +38,7 @@ pub use context::{credit_spec, report_spec};
 pub use fluid::AsFluid;
 pub use frames::frame_spec;
 pub use grains::AsGrains;
+pub use keep::program_name;
 pub use kept_file::{check_length, kept_file, sync};
 pub use line::ControlPipe;
 pub use observe::AsObserver;

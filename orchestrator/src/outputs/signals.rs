@@ -6,6 +6,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use tremie_messages::start::{Clock, Signal};
+use tremie_sdk::check_length;
 use tremie_state::{StateError, StateExchange};
 
 /// Least, greatest and last value of a signal, with the times of the extremes.
@@ -122,12 +123,7 @@ impl SignalTable {
         if state.restores() {
             let mut file = self.table.get_ref();
             let found = file.metadata().map_err(failed)?.len();
-            if found < length {
-                let path = self.path.display();
-                return state.unfit(format!(
-                    "{path} has {found} bytes; when the checkpoint was made it had {length}"
-                ));
-            }
+            check_length(&self.path, found, length)?;
             file.set_len(length).map_err(failed)?;
             file.seek(SeekFrom::End(0)).map_err(failed)?;
         }

@@ -5,16 +5,12 @@ use crate::run::run_loop::component_record;
 use crate::run::{Prepared, RunError};
 use std::path::Path;
 use tremie_messages::{INTERFACE_VERSION, Role};
+use tremie_sdk::program_name;
 
 /// Kind of processor and system: states are arrays as they lie in memory, and bits of results are
 /// promised on one kind only.
 fn machine() -> String {
     format!("{} {}", std::env::consts::ARCH, std::env::consts::OS)
-}
-
-/// The name of a program, which has its version after it.
-fn name_of(program: &str) -> &str {
-    program.split_whitespace().next().unwrap_or(program)
 }
 
 impl Prepared {
@@ -54,7 +50,7 @@ impl Prepared {
         let window = |window: f64| format!("windows of {window:e} s");
         compare("time step", window(record.clock.window()), window(self.plan.clock.window()));
         for (component, description) in self.plan.components.iter().zip(&self.descriptions) {
-            let (name, program) = (&component.name, name_of(&description.program));
+            let (name, program) = (&component.name, program_name(&description.program));
             let kept = record.components.get(name);
             let say = |program: &str, state: Option<u32>| match state {
                 Some(state) => format!("{program}, state version {state}"),
@@ -65,7 +61,7 @@ impl Prepared {
                 None if component.role == Role::Observer => {}
                 None => compare(name, "no such component".into(), now),
                 Some(kept) => {
-                    compare(name, say(name_of(&kept.program), Some(kept.state)), now);
+                    compare(name, say(program_name(&kept.program), Some(kept.state)), now);
                     let steps = |substeps: u32| format!("{substeps} steps in a window");
                     compare(name, steps(kept.substeps), steps(component.substeps));
                 }

@@ -30,6 +30,17 @@ pub enum Style {
     Json,
 }
 
+impl Style {
+    /// As the options `--quiet` and `--json` ask for.
+    pub fn asked(quiet: bool, json: bool) -> Self {
+        match (quiet, json) {
+            (_, true) => Self::Json,
+            (true, _) => Self::Quiet,
+            _ => Self::Person,
+        }
+    }
+}
+
 /// Progress of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {

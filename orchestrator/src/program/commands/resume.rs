@@ -16,12 +16,7 @@ const MAY_CHANGE: [&str; 6] =
 
 /// `tremie resume`.
 pub fn resume(arguments: &ResumeArgs) -> ExitCode {
-    let style = match (arguments.quiet, arguments.json) {
-        (_, true) => Style::Json,
-        (true, _) => Style::Quiet,
-        _ => Style::Person,
-    };
-    let mut terminal = Terminal::new(style);
+    let mut terminal = Terminal::new(Style::asked(arguments.quiet, arguments.json));
     let from = match WholeCheckpoint::find(&arguments.out, arguments.at) {
         Ok(from) => from,
         Err(error) => {

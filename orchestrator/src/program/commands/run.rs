@@ -244,11 +244,7 @@ fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
 }
 
 pub(super) fn style(arguments: &ManifestArgs) -> Style {
-    match (arguments.quiet, arguments.json) {
-        (_, true) => Style::Json,
-        (true, _) => Style::Quiet,
-        _ => Style::Person,
-    }
+    Style::asked(arguments.quiet, arguments.json)
 }
 
 /// The folder from which a manifest's programs are found.
