@@ -3,7 +3,7 @@
 //! Rooms; each imports only rooms named before it. [`registry`] names the components and commands
 //! of the executable, and [`terminal`] prints to the user. [`manifest`] reads the input, [`plan`]
 //! assigns steps and the order of work, [`outputs`] writes the results, and [`preflight`] judges
-//! the numbers of a run. [`run`] starts the components, asks each for its description, hands out
+//! the numbers of a run. [`steering`] carries commands to a run in progress. [`run`] starts the components, asks each for its description, hands out
 //! the assignments and runs the windows. [`tools`] work around runs, and [`program`] is the command
 //! line.
 
@@ -16,5 +16,6 @@ pub mod preflight;
 pub mod program;
 pub mod registry;
 pub mod run;
+pub mod steering;
 pub mod terminal;
 pub mod tools;

@@ -33,6 +33,7 @@ fn obey(command: Command) -> ExitCode {
         Command::Bench(arguments) => commands::bench(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
+        Command::Steer(command) => commands::steer(command),
         Command::Clean => commands::clean(),
         Command::Schema { markdown } => commands::schema(markdown),
         Command::Component { name } => commands::component(&name),

@@ -30,5 +30,6 @@ mod scenes;
 mod signals;
 mod sliders;
 mod starting;
+mod steering;
 mod tremie;
 mod validation;

@@ -46,7 +46,13 @@ impl RunPlaces {
         Ok(Self { folder, prefix: prefix_of(run), _lock: lock })
     }
 
-    /// Folder for iceoryx2's bookkeeping.
+    /// Folder of the run, which only its user can open: iceoryx2's bookkeeping, and what else belongs to
+    /// the run alone.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The same as text, for iceoryx2.
     pub fn root(&self) -> String {
         self.folder.to_string_lossy().into_owned()
     }
@@ -86,6 +92,25 @@ pub fn sweep_dead_runs() -> io::Result<usize> {
     }
     sweep_orphans()?;
     Ok(swept)
+}
+
+/// Runs of this user that are in progress, each with its folder, in the order of their numbers.
+///
+/// # Errors
+/// If the folder that holds all runs cannot be read.
+pub fn living_runs() -> io::Result<Vec<(u64, PathBuf)>> {
+    let mut living = Vec::new();
+    for entry in fs::read_dir(base()?)? {
+        let folder = entry?.path();
+        let name = folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        if let Ok(run) = u64::from_str_radix(&name, 16)
+            && !is_dead(&folder)
+        {
+            living.push((run, folder));
+        }
+    }
+    living.sort_unstable();
+    Ok(living)
 }
 
 /// Number of entries in shared memory that belong to run `run`.

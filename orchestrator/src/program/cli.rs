@@ -1,5 +1,6 @@
 //! The command line of `tremie`.
 
+use super::steer_args::SteerCommand;
 use crate::registry::{OnArguments, OnRun, PackageCommand, READERS, SCENES, TOOLS};
 use crate::tools::conform::ConformArgs;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -42,6 +43,9 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Measure how fast the parts are on this machine.
     Bench(BenchArgs),
+    /// A command to a run in progress.
+    #[command(flatten)]
+    Steer(SteerCommand),
     /// Remove shared memory that killed runs left behind.
     Clean,
     /// Print the JSON schema of the manifest, for editors, or its reference page.
@@ -181,6 +185,9 @@ pub struct RunArgs {
     /// twice ends the run
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub restart_on_fault: u32,
+    /// Pause at the end of this window, 0 for the start; `tremie step` and `tremie continue` go on
+    #[arg(long, value_name = "WINDOW")]
+    pub pause_at: Option<u64>,
     /// Make a component commit a fault, to see it caught: grains:drop@17
     #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
     pub inject: Vec<(String, Injection)>,

@@ -12,9 +12,10 @@ use crate::run::control::Control;
 use crate::run::handshake::cores;
 use crate::run::launch::{ComponentEvent, Peer, PeerEvent, end_all};
 use crate::run::monitor::{Monitor, WatchedComponent};
-use crate::run::run_loop::{CheckpointKeeping, LoopOutcome, RunLoop};
+use crate::run::run_loop::{Change, CheckpointKeeping, LoopOutcome, RunLoop, Steering};
 use crate::run::stop_conditions::StopConditions;
 use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
+use crate::steering::SteeringSocket;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -52,6 +53,8 @@ pub struct RunCall<'a> {
 pub struct Ended {
     /// Summary of the run.
     pub summary: Summary,
+    /// A change of the manifest for which it ended, to go on with the changed one.
+    pub change: Option<Change>,
     /// All components; observers among them may still be serving.
     peers: Vec<Peer>,
     news: Receiver<PeerEvent>,
@@ -105,6 +108,9 @@ impl Prepared {
         let names = self.signal_names();
         let (table, log, trace) =
             self.open_outputs(manifest, out, execution, (&names, from.is_some()))?;
+        let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
+        // Commands of users wait here until the components are ready.
+        let socket = steering_socket(places, out.path(), terminal);
         let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
         if from.is_some() {
             // Only now: where the components refuse their states, the run has ended as it had.
@@ -114,6 +120,9 @@ impl Prepared {
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
         let checkpoints = self.checkpoints(manifest, programs, out.path(), first);
+        let file = Path::new(manifest.source.file());
+        let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+        let steering = Steering::new(socket, self.run, file, execution.pause_at);
         let monitor = self.monitor(&physics, from.map(|from| from.record.window));
         let drive = RunLoop {
             control,
@@ -137,10 +146,11 @@ impl Prepared {
             terminal,
             interrupts,
             checkpoints,
+            steering,
             first,
             wall_before: Duration::ZERO,
         };
-        let driven = match drive.run(from) {
+        let mut driven = match drive.run(from) {
             Ok(driven) => driven,
             Err(error) => {
                 end_all(&mut self.peers, QUIT_GRACE);
@@ -149,12 +159,13 @@ impl Prepared {
         };
         // Physics only: a viewer goes on serving until `Ended` is dropped.
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
+        let change = driven.change.take();
         let mut summary = self.summarise(driven);
         // Last of all files: a folder with a summary holds a run that is over.
         if let Err(error) = out.finish(&summary) {
             summary.ending.spoil(error.into_fault(summary.windows));
         }
-        Ok(Ended { summary, peers: self.peers, news: self.news, _places: self.places })
+        Ok(Ended { summary, change, peers: self.peers, news: self.news, _places: self.places })
     }
 
     /// Gives the components their assignments; returns the orchestrator's ends of the channels when all
@@ -167,8 +178,7 @@ impl Prepared {
         from: Option<&WholeCheckpoint>,
     ) -> Result<Control<S>, RunError> {
         let prefix = sweep::prefix_of(self.run);
-        let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
-        let root = places.root();
+        let root = self.places.as_ref().map(RunPlaces::root).unwrap_or_default();
         let poll = execution.poll.unwrap_or(POLL);
         let deadline = manifest.spec.run.deadline;
         let assignments =
@@ -330,8 +340,9 @@ impl Prepared {
     }
 
     fn summarise(&self, driven: LoopOutcome) -> Summary {
-        let LoopOutcome { ending, window, totals, turns, observers, wall, table, checkpoint } =
-            driven;
+        let LoopOutcome {
+            ending, window, totals, turns, observers, wall, table, checkpoint, ..
+        } = driven;
         let components = totals
             .into_iter()
             .map(|(index, totals)| {
@@ -365,6 +376,14 @@ impl Prepared {
             findings,
         }
     }
+}
+
+/// Where users' commands to the run arrive. A run that cannot be steered is a run all the same.
+fn steering_socket(places: &RunPlaces, out: &Path, terminal: &Terminal) -> Option<SteeringSocket> {
+    let warn = |error| {
+        terminal.warn(&format!("the run cannot be steered by other commands: {error}"));
+    };
+    SteeringSocket::open(places.folder(), out).map_err(warn).ok()
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {

@@ -4,6 +4,7 @@
 //! run. [`Prepared::execute`] hands out the assignments and runs the windows ([`run_loop`]).
 
 mod ask_all;
+pub mod changes;
 mod checkpointed;
 pub mod control;
 mod execute;
@@ -19,6 +20,7 @@ mod stop_conditions;
 
 pub use execute::{Ended, RunCall};
 pub use prepare::{Prepared, prepare};
+pub use run_loop::Change;
 
 use crate::outputs::OutputError;
 use crate::run::handshake::NotIntroduced;
@@ -46,6 +48,8 @@ pub struct Execution {
     pub poll: Option<Duration>,
     /// Windows of which a trace is written.
     pub trace: Option<RangeInclusive<u64>>,
+    /// Window at whose end the run is paused.
+    pub pause_at: Option<u64>,
 }
 
 /// Reason why a run did not begin.

@@ -3,6 +3,7 @@
 pub mod standard;
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use standard::{answer, complain};
 use std::io::IsTerminal;
@@ -42,7 +43,7 @@ impl Style {
 }
 
 /// Progress of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Last window that all components completed.
     pub window: u64,

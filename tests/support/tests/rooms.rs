@@ -35,8 +35,18 @@ const WAVELET: [&str; 7] = ["grid", "gas", "bodies", "solver", "domain", "report
 
 const RUBBER: [&str; 6] = ["mesh", "fem", "table", "runtime", "import", "spec"];
 
-const ORCHESTRATOR: [&str; 9] =
-    ["registry", "terminal", "manifest", "plan", "outputs", "preflight", "run", "tools", "program"];
+const ORCHESTRATOR: [&str; 9] = [
+    "registry",
+    "terminal",
+    "manifest",
+    "plan",
+    "outputs",
+    "steering",
+    "preflight",
+    "run",
+    "tools",
+    "program",
+];
 
 /// The crates with rooms: their sources, and the rooms.
 const CRATES: [(&str, &[&str]); 9] = [

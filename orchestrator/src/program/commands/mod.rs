@@ -16,6 +16,7 @@ mod resume;
 mod run;
 mod signals;
 mod simple;
+mod steer;
 mod validate;
 mod view;
 
@@ -26,6 +27,7 @@ pub use resume::resume;
 pub use run::{check, run};
 pub use signals::signals;
 pub use simple::{clean, component, components, conform, schema};
+pub use steer::steer;
 pub use validate::validate;
 pub use view::view;
 

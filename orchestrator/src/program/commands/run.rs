@@ -8,15 +8,17 @@ use crate::outputs::{Ending, OutputError, RunFolder, Summary, WholeCheckpoint};
 use crate::preflight;
 use crate::program::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::registry::LOGS_SHOWN;
-use crate::run::{Ended, Execution, Prepared, RunCall, RunError, measured_time, prepare};
+use crate::run::{Change, Ended, Execution, Prepared, RunCall, RunError};
+use crate::run::{changes, measured_time, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use tremie_messages::Verdict;
-use tremie_messages::start::FaultKind;
+use tremie_messages::start::{Fault, FaultKind};
 
 /// `tremie check`: everything up to the plan, and the findings on its numbers.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
@@ -81,6 +83,7 @@ fn run_checked(
         in_process: arguments.in_process,
         inject: arguments.inject.clone(),
         trace: arguments.trace.clone(),
+        pause_at: arguments.pause_at,
         ..Execution::default()
     };
     let folder = folder_of(&arguments.manifest.manifest);
@@ -124,47 +127,121 @@ pub(super) fn carry_out(
     }
     let interrupts = count_interrupts().map_err(RunError::Signals)?;
     let mut out = claim()?;
-    let mut failed_at = None;
-    for restarts_left in (0..=order.restarts).rev() {
-        let mut ended =
-            carry_out_once(order, &execution, from.as_ref(), terminal, (&mut out, &interrupts))?;
-        let restart = restart(&ended.summary, &mut failed_at, out.path(), terminal);
-        let wanted = restarts_left > 0 && interrupts.load(Ordering::Relaxed) == 0;
-        if let Some(checkpoint) = restart.filter(|_| wanted) {
-            ended.close();
-            let window = checkpoint.record.window;
-            terminal.say(&format!("goes on by itself from window {window}"));
-            // A fault that was committed on purpose belongs to the first try.
-            execution.inject.clear();
-            out = RunFolder::reclaim(out.path())?;
-            from = Some(checkpoint);
-            continue;
+    let mut restarts = Restarts { left: order.restarts, failed_at: None };
+    let mut manifest = Cow::Borrowed(order.manifest);
+    // The manifest before a change, until a run with the changed one has begun.
+    let mut before = None;
+    loop {
+        let leg = RunOrder { manifest: &manifest, ..*order };
+        let places = (&mut out, &*interrupts);
+        let mut ended = match carry_out_once(&leg, &execution, from.as_ref(), terminal, places) {
+            Ok(ended) => ended,
+            Err(error) if before.is_some() && !matches!(error, RunError::Interrupted) => {
+                terminal.warn(&format!("the change is taken back: {error}"));
+                manifest = before.take().unwrap_or(manifest);
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        before = None;
+        let may_go_on = interrupts.load(Ordering::Relaxed) == 0;
+        let next = if may_go_on {
+            next_leg(&leg, out.path(), &ended, &mut restarts, terminal)
+        } else {
+            None
+        };
+        let Some(next) = next else {
+            if *order.view == View::Web {
+                linger(&mut ended, terminal, &interrupts);
+            }
+            return Ok(ExitCode::from(ended.close().ending.exit_code()));
+        };
+        ended.close();
+        // A fault that was committed on purpose belongs to the first try.
+        execution.inject.clear();
+        execution.pause_at = next.pause_at;
+        out = RunFolder::reclaim(out.path())?;
+        from = Some(next.from);
+        if let Some(changed) = next.manifest {
+            before = Some(std::mem::replace(&mut manifest, Cow::Owned(changed)));
         }
-        if *order.view == View::Web {
-            linger(&mut ended, terminal, &interrupts);
-        }
-        return Ok(ExitCode::from(ended.close().ending.exit_code()));
     }
-    unreachable!("the last round returns")
 }
 
-/// The checkpoint from which a run that failed may go on by itself; `None` if it did not fail, or would
-/// fail again: at the window of the fault before, or because an output cannot be written.
-fn restart(
-    summary: &Summary,
-    failed_at: &mut Option<u64>,
+/// How a run goes on by itself, in the same command.
+struct NextLeg {
+    from: WholeCheckpoint,
+    /// The manifest, where it changes.
+    manifest: Option<Manifest>,
+    pause_at: Option<u64>,
+}
+
+/// How a run that ended goes on: with a change that its user made, or after a fault; `None` if it is over.
+fn next_leg(
+    order: &RunOrder<'_>,
     out: &Path,
+    ended: &Ended,
+    restarts: &mut Restarts,
     terminal: &Terminal,
-) -> Option<WholeCheckpoint> {
-    let Ending::Failed { fault } = &summary.ending else { return None };
-    if fault.kind == FaultKind::Output || summary.checkpoint.is_none() {
-        return None;
+) -> Option<NextLeg> {
+    match (&ended.summary.ending, &ended.change) {
+        (Ending::Interrupted, Some(change)) => with_change(order, out, change, terminal),
+        (Ending::Failed { fault }, _) => {
+            let from = restarts.after(fault, &ended.summary, out, terminal)?;
+            Some(NextLeg { from, manifest: None, pause_at: None })
+        }
+        _ => None,
     }
-    if failed_at.replace(fault.window) == Some(fault.window) {
-        terminal.warn(&format!("window {} failed twice: the run is given up", fault.window));
-        return None;
+}
+
+/// How a run goes on with a change of its manifest.
+fn with_change(
+    order: &RunOrder<'_>,
+    out: &Path,
+    change: &Change,
+    terminal: &Terminal,
+) -> Option<NextLeg> {
+    let given_up = |why: String| terminal.warn(&format!("the change was not made: {why}"));
+    let from = WholeCheckpoint::find(out, Some(change.window));
+    let from = from.map_err(|error| given_up(error.to_string())).ok()?;
+    let file = Path::new(order.manifest.source.file());
+    let manifest = changes::changed(file, &from.manifest, &change.sets);
+    let mut manifest = manifest.map_err(|error| given_up(error.to_string())).ok()?;
+    add_observers(&mut manifest, order.view);
+    let pause_at = change.is_paused.then_some(change.window);
+    Some(NextLeg { from, manifest: Some(manifest), pause_at })
+}
+
+/// Restarts of a run after faults.
+struct Restarts {
+    left: u32,
+    /// Window of the last fault.
+    failed_at: Option<u64>,
+}
+
+impl Restarts {
+    /// The checkpoint from which a run that failed may go on by itself; `None` if it would fail again: at
+    /// the window of the fault before, or because an output cannot be written.
+    fn after(
+        &mut self,
+        fault: &Fault,
+        summary: &Summary,
+        out: &Path,
+        terminal: &Terminal,
+    ) -> Option<WholeCheckpoint> {
+        if fault.kind == FaultKind::Output || summary.checkpoint.is_none() {
+            return None;
+        }
+        if self.failed_at.replace(fault.window) == Some(fault.window) {
+            terminal.warn(&format!("window {} failed twice: the run is given up", fault.window));
+            return None;
+        }
+        self.left = self.left.checked_sub(1)?;
+        let from = WholeCheckpoint::find(out, None);
+        let from = from.map_err(|error| terminal.warn(&error.to_string())).ok()?;
+        terminal.say(&format!("goes on by itself from window {}", from.record.window));
+        Some(from)
     }
-    WholeCheckpoint::find(out, None).map_err(|error| terminal.warn(&error.to_string())).ok()
 }
 
 /// Carries out a run once, to its end.

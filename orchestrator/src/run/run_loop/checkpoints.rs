@@ -113,7 +113,10 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         now: Instant,
     ) -> Result<(), OutputError> {
         let next = state.granted.map_or(0, |granted| granted + 1);
-        let may = state.not_watching.is_empty() && self.can_begin_checkpoint(state);
+        // While the run is held before that window none begins: nobody would make the window.
+        let may = state.not_watching.is_empty()
+            && next <= self.steering.last_window()
+            && self.can_begin_checkpoint(state);
         if may && self.checkpoints.are_due(next, now) {
             self.begin_checkpoint(state, next)?;
         }

@@ -34,7 +34,8 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
         // Never less than 4 windows: physics must not wait for the next look.
         let ahead = ((state.pace.rate() * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
-        let most = self.windows.min(self.last_before_checkpoint(state));
+        let most =
+            self.windows.min(self.last_before_checkpoint(state)).min(self.steering.last_window());
         self.grant_through(state, (done + ahead).min(most))
     }
 

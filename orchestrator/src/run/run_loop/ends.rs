@@ -20,6 +20,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         match (asked, state.last) {
             (0, _) => Ok(()),
             (1, None) => {
+                self.steering.release();
                 if before == 0 {
                     let what = match self.can_begin_checkpoint(state) {
                         true => "with whole outputs and a checkpoint",

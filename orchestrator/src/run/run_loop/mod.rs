@@ -9,6 +9,7 @@ mod log;
 mod observers;
 mod pace;
 mod progress;
+mod steering;
 mod windows;
 
 use crate::outputs::ScheduleTiming;
@@ -28,6 +29,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+pub use steering::{Change, Steering};
 use tremie_channels::ChannelMedium;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Clock, Description, Fault};
@@ -77,6 +79,8 @@ pub struct RunLoop<'a, S: ChannelMedium> {
     pub interrupts: &'a AtomicUsize,
     /// Checkpoints.
     pub checkpoints: CheckpointKeeping,
+    /// What users want of the run while it is in progress.
+    pub steering: Steering,
     /// Window from whose end the run goes on; 0 if it begins.
     pub first: u64,
     /// Wall time of the windows before.
@@ -101,6 +105,8 @@ pub struct LoopOutcome {
     pub table: SignalTable,
     /// Window of the newest checkpoint.
     pub checkpoint: Option<u64>,
+    /// A change of the manifest for which the run ended.
+    pub change: Option<Change>,
 }
 
 /// State of the loop.
@@ -201,6 +207,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             wall,
             table: self.table,
             checkpoint: self.checkpoints.newest,
+            change: self.steering.taken,
         })
     }
 }

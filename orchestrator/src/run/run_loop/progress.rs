@@ -69,9 +69,14 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Shows windows done, their rate, and shares of wall time.
     pub(super) fn show_progress(&mut self, state: &LoopState, now: Instant) {
         // This is asked after every look at the channels, some thousand times a second.
-        if !self.terminal.wants_progress() {
-            return;
+        if self.terminal.wants_progress() {
+            let progress = self.current_progress(state, now);
+            self.terminal.progress(&progress);
         }
+    }
+
+    /// Windows done, their rate, and shares of wall time.
+    pub(super) fn current_progress(&self, state: &LoopState, now: Instant) -> Progress {
         let window = self.monitor.common_window().unwrap_or(0);
         let elapsed = now.duration_since(state.begin).as_secs_f64();
         let mut progress = Progress {
@@ -94,6 +99,6 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             let rate = totals.work as f64 / (totals.compute as f64 * 1e-9).max(1e-9);
             progress.work.push((name.clone(), unit, rate));
         }
-        self.terminal.progress(&progress);
+        progress
     }
 }

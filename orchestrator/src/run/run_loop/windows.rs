@@ -35,6 +35,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             }
             self.lose_blind_observers(state, now)?;
             self.take_interrupts(state)?;
+            self.take_commands(state)?;
             self.grant(state, now)?;
             self.show_timing(state, now)?;
             self.show_progress(state, now);

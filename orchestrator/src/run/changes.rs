@@ -1,0 +1,124 @@
+//! Changes of the manifest from a window on: which are sound, and the changed manifest.
+//!
+//! A run takes a change where it goes on from a checkpoint. What a state holds cannot change: bodies,
+//! cells, steps. What holds from then on can: how long, outputs, what drives the physics, friction.
+
+use crate::manifest::{self, Manifest, ManifestErrors};
+use std::path::Path;
+
+/// Keys that may change, and all below them; `*` stands for any one key, `[]` for any entry of a list.
+const MAY_CHANGE: &[&str] = &[
+    "run.until",
+    "run.deadline",
+    "run.start_within",
+    "run.checkpoints",
+    "outputs",
+    "stop_when",
+    "components.*.threads",
+    "scene.gravity",
+    "scene.fluid.viscosity",
+    "scene.fluid.acceleration",
+    "scene.domain.*.*.velocity",
+    "scene.domain.*.*.pressure",
+    "scene.domain.*.*.course",
+    "scene.domain.*.*.reservoir.piston",
+    "scene.domain.*.*.reservoir.course",
+    "scene.domain.*.*.reservoir.stop",
+    "scene.parts[].velocity",
+    "scene.parts[].angular_velocity",
+    "scene.parts[].course",
+    "scene.bodies[].course",
+    "scene.contacts[].friction",
+    "scene.contacts[].rolling_friction",
+    "scene.contacts[].restitution",
+    "settings.*.mach_limit",
+    "settings.*.smagorinsky",
+    "settings.*.tolerance",
+    "settings.*.iterations",
+    "settings.viewer",
+];
+
+/// Why a manifest was not changed.
+#[derive(Debug, thiserror::Error)]
+pub enum NotChanged {
+    /// The changed manifest is wrong.
+    #[error(transparent)]
+    Wrong(ManifestErrors),
+    /// The run's states depend on what would change.
+    #[error("{} cannot change in mid-run, because states depend on it; what can: {}", keys.join(", "), MAY_CHANGE.join(", "))]
+    Fixed {
+        /// The keys.
+        keys: Vec<String>,
+    },
+}
+
+/// The manifest of a run, its `text` as resolved, with `sets` laid over it from a window on; `file` is what
+/// messages call it.
+///
+/// # Errors
+/// [`NotChanged`].
+pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Manifest, NotChanged> {
+    let read = |sets| manifest::parse(file, text.into(), sets).map_err(NotChanged::Wrong);
+    let changed = read(sets)?;
+    let mut keys = manifest::differences(&read(&[])?, &changed);
+    keys.retain(|key| !may_change(key));
+    if keys.is_empty() { Ok(changed) } else { Err(NotChanged::Fixed { keys }) }
+}
+
+fn may_change(key: &str) -> bool {
+    MAY_CHANGE.iter().any(|pattern| is_within(key, pattern))
+}
+
+/// True if a key matches a pattern, or lies below what does.
+fn is_within(key: &str, pattern: &str) -> bool {
+    let mut keys = key.split('.');
+    let mut whole = true;
+    pattern.split('.').all(|expected| {
+        let Some(found) = keys.next().filter(|_| whole) else { return false };
+        let (found, index) = found.split_once('[').map_or((found, ""), |(name, rest)| (name, rest));
+        // An entry that is meant as any of a list; else a list's entry lies below the list.
+        let (expected, of_list) = match expected.strip_suffix("[]") {
+            Some(name) => (name, true),
+            None => (expected, false),
+        };
+        whole = index.is_empty() || of_list;
+        (expected == "*" || expected == found) && (!of_list || !index.is_empty())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_lies_within_its_tables_only() {
+        assert!(is_within("outputs.frames", "outputs") && is_within("outputs", "outputs"));
+        assert!(
+            is_within("stop_when[0].above", "stop_when") && is_within("stop_when", "stop_when")
+        );
+        assert!(!is_within("outputs_of", "outputs") && !is_within("run", "run.until"));
+    }
+
+    #[test]
+    fn patterns_name_any_key_and_any_entry() {
+        assert!(may_change("scene.domain.x.lower.reservoir.piston"));
+        assert!(may_change("scene.contacts[3].friction") && may_change("scene.gravity[2]"));
+        assert!(may_change("scene.parts[0].course[1].velocity[0]"));
+        assert!(
+            may_change("settings.fluid-pic.tolerance") && may_change("components.fluid.threads")
+        );
+        for key in [
+            "scene.contacts",
+            "scene.contacts[3]",
+            "scene.contacts[3].normal_stiffness",
+            "scene.domain.x.lower.reservoir.volume",
+            "scene.domain.size[0]",
+            "components.fluid.program",
+            "run.schedule",
+            "run.seed",
+            "settings.fluid-lbm.cell",
+        ] {
+            assert!(!may_change(key), "{key}");
+        }
+    }
+}
