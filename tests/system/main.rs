@@ -3,6 +3,7 @@
 mod alone;
 mod answers;
 mod bad_input;
+mod branches;
 mod compressible_gas;
 mod conform;
 mod coupling;

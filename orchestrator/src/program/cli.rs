@@ -6,7 +6,7 @@ use crate::tools::conform::ConformArgs;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};
 use tremie_results::key_value;
@@ -185,6 +185,10 @@ pub struct RunArgs {
     /// twice ends the run
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub restart_on_fault: u32,
+    /// Begin from a checkpoint of another run, whose manifest may differ in what `tremie resume --set` can
+    /// change: its folder of outputs, and the window if it is not the newest
+    #[arg(long, value_name = "OUT[@WINDOW]", value_parser = parse_from)]
+    pub from: Option<(PathBuf, Option<u64>)>,
     /// Pause at the end of this window, 0 for the start; `tremie step` and `tremie continue` go on
     #[arg(long, value_name = "WINDOW")]
     pub pause_at: Option<u64>,
@@ -334,6 +338,19 @@ fn parse_schedule(text: &str) -> Result<Schedule, String> {
         "serial" => Ok(Schedule::Serial),
         "parallel" => Ok(Schedule::Parallel),
         _ => Err("expected serial or parallel".into()),
+    }
+}
+
+fn parse_from(text: &str) -> Result<(PathBuf, Option<u64>), String> {
+    match text.rsplit_once('@') {
+        // A folder may have the sign in its name.
+        Some((out, window)) if !Path::new(text).exists() => match window.parse() {
+            Ok(window) => Ok((out.into(), Some(window))),
+            Err(_) => {
+                Err(format!("\"{window}\" is no window: expected OUT@WINDOW, as runs/bed-001@2000"))
+            }
+        },
+        _ => Ok((text.into(), None)),
     }
 }
 

@@ -38,6 +38,10 @@ const MAY_CHANGE: &[&str] = &[
     "settings.viewer",
 ];
 
+/// What a run that begins from the checkpoint of another may have otherwise besides: it has outputs of its
+/// own.
+const OWN_OUTPUTS: &[&str] = &["settings.recorder", "settings.fields", "settings.profiles"];
+
 /// Why a manifest was not changed.
 #[derive(Debug, thiserror::Error)]
 pub enum NotChanged {
@@ -45,7 +49,7 @@ pub enum NotChanged {
     #[error(transparent)]
     Wrong(ManifestErrors),
     /// The run's states depend on what would change.
-    #[error("{} cannot change in mid-run, because states depend on it; what can: {}", keys.join(", "), MAY_CHANGE.join(", "))]
+    #[error("{} cannot change from a checkpoint on, because states depend on it; what can: {}", keys.join(", "), MAY_CHANGE.join(", "))]
     Fixed {
         /// The keys.
         keys: Vec<String>,
@@ -60,13 +64,25 @@ pub enum NotChanged {
 pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Manifest, NotChanged> {
     let read = |sets| manifest::parse(file, text.into(), sets).map_err(NotChanged::Wrong);
     let changed = read(sets)?;
-    let mut keys = manifest::differences(&read(&[])?, &changed);
-    keys.retain(|key| !may_change(key));
-    if keys.is_empty() { Ok(changed) } else { Err(NotChanged::Fixed { keys }) }
+    let keys = manifest::differences(&read(&[])?, &changed);
+    only(MAY_CHANGE, keys).map(|()| changed)
 }
 
-fn may_change(key: &str) -> bool {
-    MAY_CHANGE.iter().any(|pattern| is_within(key, pattern))
+/// Checks that a run of `manifest` can begin from a checkpoint of another run, whose manifest as resolved
+/// is `text`; `file` is what messages call it.
+///
+/// # Errors
+/// [`NotChanged`].
+pub fn check_branch(file: &Path, text: &str, manifest: &Manifest) -> Result<(), NotChanged> {
+    let before = manifest::parse(file, text.into(), &[]).map_err(NotChanged::Wrong)?;
+    let keys = manifest::differences(&before, manifest);
+    only(&[MAY_CHANGE, OWN_OUTPUTS].concat(), keys)
+}
+
+/// Checks that all `keys` may change.
+fn only(may: &[&str], mut keys: Vec<String>) -> Result<(), NotChanged> {
+    keys.retain(|key| !may.iter().any(|pattern| is_within(key, pattern)));
+    if keys.is_empty() { Ok(()) } else { Err(NotChanged::Fixed { keys }) }
 }
 
 /// True if a key matches a pattern, or lies below what does.
@@ -101,6 +117,7 @@ mod tests {
 
     #[test]
     fn patterns_name_any_key_and_any_entry() {
+        let may_change = |key: &str| MAY_CHANGE.iter().any(|pattern| is_within(key, pattern));
         assert!(may_change("scene.domain.x.lower.reservoir.piston"));
         assert!(may_change("scene.contacts[3].friction") && may_change("scene.gravity[2]"));
         assert!(may_change("scene.parts[0].course[1].velocity[0]"));

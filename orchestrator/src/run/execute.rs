@@ -45,8 +45,25 @@ pub struct RunCall<'a> {
     pub interrupts: &'a AtomicUsize,
     /// Folder from which the manifest's programs were found.
     pub programs: &'a Path,
-    /// The checkpoint from which it goes on, with the outputs that are there.
-    pub from: Option<&'a WholeCheckpoint>,
+    /// The checkpoint from which it goes on.
+    pub from: Option<Origin<'a>>,
+}
+
+/// Where a run goes on from.
+#[derive(Clone, Copy)]
+pub struct Origin<'a> {
+    /// The checkpoint.
+    pub checkpoint: &'a WholeCheckpoint,
+    /// The run is that of the checkpoint, and goes on with its outputs. Otherwise it is a run of its own
+    /// that begins from the states of another, and its outputs begin with it.
+    pub same_outputs: bool,
+}
+
+impl<'a> Origin<'a> {
+    /// The checkpoint, if the run is its.
+    fn own(self) -> Option<&'a WholeCheckpoint> {
+        self.same_outputs.then_some(self.checkpoint)
+    }
 }
 
 /// A run that has ended. Observers that go on serving do so until this is dropped.
@@ -96,8 +113,9 @@ impl Prepared {
     fn execute_between<S: ChannelMedium>(mut self, call: RunCall<'_>) -> Result<Ended, RunError> {
         let RunCall { manifest, out, execution, terminal, interrupts, programs, from } = call;
         if let Some(from) = from {
-            self.check_fit(from)?;
+            self.check_fit(from.checkpoint)?;
         }
+        let own = from.and_then(Origin::own);
         // Also where the caller has checked: other programs may have taken memory meanwhile.
         self.fits(execution)?;
         if !execution.in_process {
@@ -107,23 +125,24 @@ impl Prepared {
         let spec = &manifest.spec;
         let names = self.signal_names();
         let (table, log, trace) =
-            self.open_outputs(manifest, out, execution, (&names, from.is_some()))?;
+            self.open_outputs(manifest, out, execution, (&names, own.is_some()))?;
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
         // Commands of users wait here until the components are ready.
         let socket = steering_socket(places, out.path(), terminal);
         let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
-        if from.is_some() {
+        if own.is_some() {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;
         }
-        let first = from.map_or(0, |from| from.record.window);
+        let first = from.map_or(0, |from| from.checkpoint.record.window);
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
-        let checkpoints = self.checkpoints(manifest, programs, out.path(), first);
+        let newest = own.map(|checkpoint| checkpoint.record.window);
+        let checkpoints = self.checkpoints(manifest, programs, out.path(), (first, newest));
         let file = Path::new(manifest.source.file());
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         let steering = Steering::new(socket, self.run, file, execution.pause_at);
-        let monitor = self.monitor(&physics, from.map(|from| from.record.window));
+        let monitor = self.monitor(&physics, from.is_some().then_some(first));
         let drive = RunLoop {
             control,
             descriptions: &self.descriptions,
@@ -150,7 +169,7 @@ impl Prepared {
             first,
             wall_before: Duration::ZERO,
         };
-        let mut driven = match drive.run(from) {
+        let mut driven = match drive.run(own) {
             Ok(driven) => driven,
             Err(error) => {
                 end_all(&mut self.peers, QUIT_GRACE);
@@ -175,7 +194,7 @@ impl Prepared {
         manifest: &Manifest,
         execution: &Execution,
         interrupts: &AtomicUsize,
-        from: Option<&WholeCheckpoint>,
+        from: Option<Origin<'_>>,
     ) -> Result<Control<S>, RunError> {
         let prefix = sweep::prefix_of(self.run);
         let root = self.places.as_ref().map(RunPlaces::root).unwrap_or_default();
@@ -222,13 +241,13 @@ impl Prepared {
         Ok((table, log, trace.transpose()?))
     }
 
-    /// Checkpoints of a run from window `first` on.
+    /// Checkpoints of a run from window `first` on; the newest that is there already.
     fn checkpoints(
         &self,
         manifest: &Manifest,
         programs: &Path,
         out: &Path,
-        first: u64,
+        (first, newest): (u64, Option<u64>),
     ) -> CheckpointKeeping {
         CheckpointKeeping::new(
             manifest.spec.run.checkpoints,
@@ -236,7 +255,7 @@ impl Prepared {
             self.checkpoint_record(programs),
             manifest.resolved(),
             out.to_path_buf(),
-            first,
+            (first, newest),
         )
     }
 
@@ -270,12 +289,12 @@ impl Prepared {
         in_process: bool,
         deadline: f64,
         poll: Duration,
-        from: Option<&WholeCheckpoint>,
+        from: Option<Origin<'_>>,
     ) -> Vec<Assignment> {
         let resume = from.map(|from| Resume {
-            window: from.record.window,
-            folder: from.folder().to_string_lossy().into_owned(),
-            same_outputs: true,
+            window: from.checkpoint.record.window,
+            folder: from.checkpoint.folder().to_string_lossy().into_owned(),
+            same_outputs: from.same_outputs,
         });
         let transport = |name: &str| Transport {
             between_processes: !in_process,
@@ -300,7 +319,7 @@ impl Prepared {
         assignments: &[Assignment],
         manifest: &Manifest,
         interrupts: &AtomicUsize,
-        from: Option<&WholeCheckpoint>,
+        from: Option<Origin<'_>>,
     ) -> Result<(), RunError> {
         for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
             peer.send(Request::Assignment(Box::new(assignment.clone())));
@@ -325,7 +344,7 @@ impl Prepared {
             other => Err(format!("it answered the assignment with {other:?}")),
         });
         // Refusals name keys of the manifest, which a user can mend: they go before other failures.
-        let hint = from.map_or(String::new(), WholeCheckpoint::hint);
+        let hint = from.map_or(String::new(), |from| from.checkpoint.hint());
         ready.map_err(|unanswered| match unanswered {
             Unanswered::Interrupted => RunError::Interrupted,
             Unanswered::Failed(failed) if refused.is_empty() => self.not_ready(&failed, &hint),

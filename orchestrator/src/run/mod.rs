@@ -18,7 +18,7 @@ pub mod run_loop;
 mod startup_log;
 mod stop_conditions;
 
-pub use execute::{Ended, RunCall};
+pub use execute::{Ended, Origin, RunCall};
 pub use prepare::{Prepared, prepare};
 pub use run_loop::Change;
 

@@ -35,7 +35,7 @@ const WAVELET: [&str; 7] = ["grid", "gas", "bodies", "solver", "domain", "report
 
 const RUBBER: [&str; 6] = ["mesh", "fem", "table", "runtime", "import", "spec"];
 
-const ORCHESTRATOR: [&str; 9] = [
+const ORCHESTRATOR: [&str; 10] = [
     "registry",
     "terminal",
     "manifest",

@@ -1,6 +1,6 @@
 //! `tremie resume`: goes on with a run from a checkpoint.
 
-use super::run::{RunOrder, add_observers, carry_out};
+use super::run::{Begin, RunOrder, add_observers, carry_out};
 use super::{WRONG_INPUT, refuse, refuse_text};
 use crate::outputs::{MANIFEST, RunFolder, WholeCheckpoint};
 use crate::program::cli::ResumeArgs;
@@ -39,7 +39,7 @@ pub fn resume(arguments: &ResumeArgs) -> ExitCode {
         restarts: arguments.restart_on_fault,
     };
     let claim = || RunFolder::reclaim(&arguments.out);
-    match carry_out(&order, execution, Some(from), &mut terminal, claim) {
+    match carry_out(&order, execution, Some(Begin::goes_on(from)), &mut terminal, claim) {
         Ok(code) => code,
         Err(error) => refuse(&error, &manifest, arguments.json, &mut terminal),
     }

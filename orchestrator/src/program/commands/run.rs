@@ -3,12 +3,12 @@
 use super::interrupts::count_interrupts;
 use super::{refuse, refuse_text};
 use crate::manifest::{self, Manifest};
-use crate::outputs::JudgedFinding;
+use crate::outputs::{self, JudgedFinding};
 use crate::outputs::{Ending, OutputError, RunFolder, Summary, WholeCheckpoint};
 use crate::preflight;
 use crate::program::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::registry::LOGS_SHOWN;
-use crate::run::{Change, Ended, Execution, Prepared, RunCall, RunError};
+use crate::run::{Change, Ended, Execution, Origin, Prepared, RunCall, RunError};
 use crate::run::{changes, measured_time, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use tremie_messages::Verdict;
 use tremie_messages::start::{Fault, FaultKind};
+use tremie_messages::{Problem, Verdict};
 
 /// `tremie check`: everything up to the plan, and the findings on its numbers.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
@@ -94,8 +94,40 @@ fn run_checked(
         is_quiet: arguments.manifest.quiet,
         restarts: arguments.restart_on_fault,
     };
+    let from = match &arguments.from {
+        None => None,
+        Some(from) => Some(branch(from, manifest)?),
+    };
     let claim = || RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest);
-    carry_out(&order, execution, None, terminal, claim)
+    carry_out(&order, execution, from, terminal, claim)
+}
+
+/// The checkpoint of another run from which a run of `manifest` shall begin.
+fn branch((out, window): &(PathBuf, Option<u64>), manifest: &Manifest) -> Result<Begin, RunError> {
+    let wrong = |text: String| RunError::Input(vec![Problem::new("--from", text)]);
+    let checkpoint =
+        WholeCheckpoint::find(out, *window).map_err(|error| wrong(error.to_string()))?;
+    let file = checkpoint.folder().join(outputs::MANIFEST);
+    changes::check_branch(&file, &checkpoint.manifest, manifest)
+        .map_err(|error| wrong(error.to_string()))?;
+    Ok(Begin { checkpoint, same_outputs: false })
+}
+
+/// Where a run begins that does not begin at time zero.
+pub(super) struct Begin {
+    checkpoint: WholeCheckpoint,
+    same_outputs: bool,
+}
+
+impl Begin {
+    /// The run of the checkpoint goes on, with its outputs.
+    pub fn goes_on(checkpoint: WholeCheckpoint) -> Self {
+        Self { checkpoint, same_outputs: true }
+    }
+
+    fn origin(&self) -> Origin<'_> {
+        Origin { checkpoint: &self.checkpoint, same_outputs: self.same_outputs }
+    }
 }
 
 /// A run as its user orders it.
@@ -114,7 +146,7 @@ pub(super) struct RunOrder<'a> {
 pub(super) fn carry_out(
     order: &RunOrder<'_>,
     mut execution: Execution,
-    mut from: Option<WholeCheckpoint>,
+    mut from: Option<Begin>,
     terminal: &mut Terminal,
     claim: impl FnOnce() -> Result<RunFolder, OutputError>,
 ) -> Result<ExitCode, RunError> {
@@ -161,7 +193,7 @@ pub(super) fn carry_out(
         execution.inject.clear();
         execution.pause_at = next.pause_at;
         out = RunFolder::reclaim(out.path())?;
-        from = Some(next.from);
+        from = Some(Begin::goes_on(next.from));
         if let Some(changed) = next.manifest {
             before = Some(std::mem::replace(&mut manifest, Cow::Owned(changed)));
         }
@@ -248,7 +280,7 @@ impl Restarts {
 fn carry_out_once(
     order: &RunOrder<'_>,
     execution: &Execution,
-    from: Option<&WholeCheckpoint>,
+    from: Option<&Begin>,
     terminal: &mut Terminal,
     (out, interrupts): (&mut RunFolder, &AtomicUsize),
 ) -> Result<Ended, RunError> {
@@ -260,17 +292,18 @@ fn carry_out_once(
         return Err(error);
     }
     // Its user has seen the plan of a run that goes on.
-    if from.is_none() || terminal.speaks_json() {
+    if from.is_none_or(|from| !from.same_outputs) || terminal.speaks_json() {
         show_plan(manifest, &prepared, terminal);
     }
     // Findings beyond these come from the run's signals, and are shown at its end.
     let known = prepared.findings.len();
     terminal.say(&match from {
         None => format!("outputs in {}", out.path().display()),
-        Some(from) => format!(
-            "goes on from window {}, {:.6} s; outputs in {}",
-            from.record.window,
-            from.record.time,
+        Some(Begin { checkpoint, same_outputs }) => format!(
+            "{} window {}, {:.6} s; outputs in {}",
+            if *same_outputs { "goes on from" } else { "begins from another run's" },
+            checkpoint.record.window,
+            checkpoint.record.time,
             out.path().display()
         ),
     });
@@ -281,10 +314,10 @@ fn carry_out_once(
         terminal,
         interrupts,
         programs,
-        from,
+        from: from.map(Begin::origin),
     });
     // An error, unlike a fault, means that no window was made: its files are of no use.
-    if executed.is_err() && from.is_none() {
+    if executed.is_err() && from.is_none_or(|from| !from.same_outputs) {
         out.clear();
     }
     let ended = executed?;

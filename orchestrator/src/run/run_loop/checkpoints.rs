@@ -63,18 +63,17 @@ impl UnderWay {
 }
 
 impl CheckpointKeeping {
-    /// Keeps checkpoints from window `first` on.
+    /// Keeps checkpoints from window `first` on; the newest that is there already.
     pub fn new(
         when: Checkpoints,
         can_be_made: bool,
         record: CheckpointRecord,
         manifest: String,
         output: PathBuf,
-        first: u64,
+        (first, newest): (u64, Option<u64>),
     ) -> Self {
         remove_unfinished_checkpoints(&output);
         let last = (first, Instant::now());
-        let newest = (first > 0).then_some(first);
         Self { when, can_be_made, record, manifest, output, under_way: None, last, newest }
     }
 
