@@ -134,6 +134,19 @@ fn a_change_holds_from_the_next_window_on() {
     assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
     let by_hand = std::fs::read_to_string(out.join("signals.csv")).unwrap();
     assert_eq!(run.signals(), by_hand);
+    // And once more by itself, from what was recorded of the change.
+    for out in [&run.out, &out] {
+        let again = home.path().join("again");
+        let changes = ["--changes", out.join("steering.jsonl").to_str().unwrap()].map(String::from);
+        let mut command = tremie();
+        command.arg("run").arg(out.join("begun.toml")).arg("--out").arg(&again).args(changes);
+        let made = command.output().unwrap();
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        let read = |out: &Path, name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+        assert_eq!(read(&again, "signals.csv"), by_hand);
+        assert_eq!(read(&again, "steering.jsonl"), read(out, "steering.jsonl"));
+        std::fs::remove_dir_all(&again).unwrap();
+    }
     let differ = free.lines().zip(by_hand.lines()).position(|(one, other)| one != other);
     // The header, and windows 0 to 9.
     assert_eq!(differ, Some(11), "the first window with another gravity is 10");
@@ -143,8 +156,8 @@ fn a_change_holds_from_the_next_window_on() {
 fn what_cannot_be_is_refused_and_the_run_goes_on() {
     let mut run = Steered::paused_at(2, &[]);
     for (change, why) in [
-        ("scene.domain.size[0]=20 mm", "scene.domain.size[0] cannot change in mid-run"),
-        ("run.schedule=parallel", "run.schedule cannot change in mid-run"),
+        ("scene.domain.size[0]=20 mm", "scene.domain.size[0] cannot change from a checkpoint on"),
+        ("run.schedule=parallel", "run.schedule cannot change from a checkpoint on"),
         ("scene.gravity[2]=fast", "gravity"),
         ("run.untill=1 s", "until"),
     ] {
@@ -156,12 +169,26 @@ fn what_cannot_be_is_refused_and_the_run_goes_on() {
     assert_eq!(run.status()["progress"]["window"], 2);
     run.told(&["continue"]);
     run.ends_with(0);
-    // A change that the components refuse is taken back.
     let mut run = Steered::paused_at(2, &["--set", "run.checkpoints.keep=0"]);
     let why = run.refused(&["checkpoint"]);
     assert_eq!(why, "error: this run keeps no checkpoints: run.checkpoints.keep is 0");
     run.told(&["continue"]);
     run.ends_with(0);
+}
+
+#[test]
+fn a_change_with_which_the_run_cannot_go_on_is_taken_back() {
+    let free = run_text(SMALL, &["--quiet"]).succeeded();
+    let mut run = Steered::paused_at(2, &[]);
+    // The lattice's time step follows from it.
+    assert!(run.set("scene.fluid.viscosity=0.06 Pa s").status.success());
+    until("it is back", || run.status()["state"] == "paused");
+    run.told(&["continue"]);
+    let errors = run.ends_with(0);
+    assert!(errors.contains("warning: the change is taken back"), "{errors}");
+    assert!(errors.contains("time step: it was made with windows of"), "{errors}");
+    assert!(!run.out.join("steering.jsonl").exists() && !run.out.join("begun.toml").exists());
+    assert_eq!(run.signals(), free.signals_text());
 }
 
 #[test]

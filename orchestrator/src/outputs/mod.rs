@@ -7,6 +7,7 @@ mod judged_finding;
 mod log;
 mod schedule_timing;
 mod signals;
+mod steering_record;
 mod summary;
 mod trace;
 
@@ -19,12 +20,17 @@ pub use judged_finding::{JudgedFinding, WHOLE};
 pub use log::{LogLevel, RunLog};
 pub use schedule_timing::{ScheduleTiming, Worked};
 pub use signals::{SignalRow, SignalTable, Statistics};
+pub use steering_record::{ChangeRecord, forget_changes, read_changes, record_change};
 pub use summary::{ComponentSummary, ComponentTotals, Ending, Summary};
 pub use trace::Trace;
 pub use tremie_results::SIGNALS;
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";
+/// The manifest with which a run began, where it was changed later.
+pub const BEGUN: &str = "begun.toml";
+/// The changes, a JSON document a line.
+pub const STEERING: &str = "steering.jsonl";
 /// The log, a JSON document a line.
 pub const LOG: &str = "log.jsonl";
 /// The trace of waiting and computing, where it was asked for.

@@ -189,6 +189,9 @@ pub struct RunArgs {
     /// change: its folder of outputs, and the window if it is not the newest
     #[arg(long, value_name = "OUT[@WINDOW]", value_parser = parse_from)]
     pub from: Option<(PathBuf, Option<u64>)>,
+    /// Make the changes of another run at the same windows: its steering.jsonl, beside its begun.toml
+    #[arg(long, value_name = "FILE")]
+    pub changes: Option<PathBuf>,
     /// Pause at the end of this window, 0 for the start; `tremie step` and `tremie continue` go on
     #[arg(long, value_name = "WINDOW")]
     pub pause_at: Option<u64>,

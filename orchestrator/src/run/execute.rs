@@ -141,7 +141,8 @@ impl Prepared {
         let checkpoints = self.checkpoints(manifest, programs, out.path(), (first, newest));
         let file = Path::new(manifest.source.file());
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
-        let steering = Steering::new(socket, self.run, file, execution.pause_at);
+        let planned = execution.changes.iter().filter(|it| it.window > first).cloned().collect();
+        let steering = Steering::new(socket, self.run, file, execution.pause_at, planned);
         let monitor = self.monitor(&physics, from.is_some().then_some(first));
         let drive = RunLoop {
             control,
@@ -169,13 +170,17 @@ impl Prepared {
             first,
             wall_before: Duration::ZERO,
         };
-        let mut driven = match drive.run(own) {
-            Ok(driven) => driven,
+        match drive.run(own) {
+            Ok(driven) => Ok(self.end(driven, out)),
             Err(error) => {
                 end_all(&mut self.peers, QUIT_GRACE);
-                return Err(error.into());
+                Err(error.into())
             }
-        };
+        }
+    }
+
+    /// Ends the physics, and writes the summary.
+    fn end(mut self, mut driven: LoopOutcome, out: &mut RunFolder) -> Ended {
         // Physics only: a viewer goes on serving until `Ended` is dropped.
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
         let change = driven.change.take();
@@ -184,7 +189,7 @@ impl Prepared {
         if let Err(error) = out.finish(&summary) {
             summary.ending.spoil(error.into_fault(summary.windows));
         }
-        Ok(Ended { summary, change, peers: self.peers, news: self.news, _places: self.places })
+        Ended { summary, change, peers: self.peers, news: self.news, _places: self.places }
     }
 
     /// Gives the components their assignments; returns the orchestrator's ends of the channels when all

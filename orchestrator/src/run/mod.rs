@@ -22,7 +22,7 @@ pub use execute::{Ended, Origin, RunCall};
 pub use prepare::{Prepared, prepare};
 pub use run_loop::Change;
 
-use crate::outputs::OutputError;
+use crate::outputs::{ChangeRecord, OutputError};
 use crate::run::handshake::NotIntroduced;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -50,6 +50,8 @@ pub struct Execution {
     pub trace: Option<RangeInclusive<u64>>,
     /// Window at whose end the run is paused.
     pub pause_at: Option<u64>,
+    /// Changes of the manifest at windows to come.
+    pub changes: Vec<ChangeRecord>,
 }
 
 /// Reason why a run did not begin.

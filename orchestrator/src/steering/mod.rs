@@ -10,7 +10,7 @@ mod socket;
 
 pub use command::{Answer, RunState, RunStatus, SteeringCommand};
 pub use living::{LivingRun, NotReached, find, living};
-pub use socket::{Asked, SteeringSocket};
+pub use socket::{SteeringRequest, SteeringSocket};
 
 /// Name of the socket in the folder of a run.
 const SOCKET: &str = "steering";

@@ -19,16 +19,29 @@ const MOST_WAITING: usize = 64;
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A command that waits for its answer. Dropped without one, the user hears that the run has ended.
-pub struct Asked {
+pub struct SteeringRequest {
     /// The command.
     pub command: SteeringCommand,
-    answer: SyncSender<Answer>,
+    /// `None` of a command that was planned before the run.
+    answer: Option<SyncSender<Answer>>,
 }
 
-impl Asked {
+impl SteeringRequest {
+    /// A command that was planned before the run.
+    pub fn planned(command: SteeringCommand) -> Self {
+        Self { command, answer: None }
+    }
+
+    /// True if it was planned before the run.
+    pub fn is_planned(&self) -> bool {
+        self.answer.is_none()
+    }
+
     /// Answers the command; a user that is gone misses it.
     pub fn answer(self, answer: Answer) {
-        let _ = self.answer.try_send(answer);
+        if let Some(user) = self.answer {
+            let _ = user.try_send(answer);
+        }
     }
 
     /// Refuses the command.
@@ -40,7 +53,7 @@ impl Asked {
 /// The socket of a run; it is closed when this is dropped.
 pub struct SteeringSocket {
     path: PathBuf,
-    asked: Receiver<Asked>,
+    asked: Receiver<SteeringRequest>,
     is_over: Arc<AtomicBool>,
 }
 
@@ -68,7 +81,7 @@ impl SteeringSocket {
     }
 
     /// The next command, if one has come.
-    pub fn next(&self) -> Option<Asked> {
+    pub fn next(&self) -> Option<SteeringRequest> {
         self.asked.try_recv().ok()
     }
 }
@@ -84,7 +97,7 @@ impl Drop for SteeringSocket {
 
 /// What lets users in.
 struct Door {
-    sender: SyncSender<Asked>,
+    sender: SyncSender<SteeringRequest>,
     is_over: Arc<AtomicBool>,
     users: Arc<AtomicUsize>,
 }
@@ -120,7 +133,11 @@ impl Door {
 }
 
 /// Takes the commands of one user, one after the other.
-fn serve(user: &UnixStream, sender: &SyncSender<Asked>, is_over: &AtomicBool) -> io::Result<()> {
+fn serve(
+    user: &UnixStream,
+    sender: &SyncSender<SteeringRequest>,
+    is_over: &AtomicBool,
+) -> io::Result<()> {
     user.set_read_timeout(Some(LOOK))?;
     user.set_write_timeout(Some(Duration::from_secs(1)))?;
     let mut lines = BufReader::new(user);
@@ -134,7 +151,7 @@ fn serve(user: &UnixStream, sender: &SyncSender<Asked>, is_over: &AtomicBool) ->
             }
         };
         let (answer, answered) = sync_channel(1);
-        let answer = match sender.try_send(Asked { command, answer }) {
+        let answer = match sender.try_send(SteeringRequest { command, answer: Some(answer) }) {
             Ok(()) => await_answer(&answered),
             Err(_) => Answer::Refused { why: "the run takes no command now".into() },
         };
@@ -194,7 +211,7 @@ mod tests {
         folder
     }
 
-    fn wait_for(socket: &SteeringSocket) -> Asked {
+    fn wait_for(socket: &SteeringSocket) -> SteeringRequest {
         loop {
             if let Some(asked) = socket.next() {
                 return asked;

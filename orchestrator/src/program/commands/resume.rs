@@ -2,7 +2,7 @@
 
 use super::run::{Begin, RunOrder, add_observers, carry_out};
 use super::{WRONG_INPUT, refuse, refuse_text};
-use crate::outputs::{MANIFEST, RunFolder, WholeCheckpoint};
+use crate::outputs::{ChangeRecord, MANIFEST, RunFolder, WholeCheckpoint, record_change};
 use crate::program::cli::ResumeArgs;
 use crate::run::Execution;
 use crate::run::changes::{self, NotChanged};
@@ -37,8 +37,17 @@ pub fn resume(arguments: &ResumeArgs) -> ExitCode {
         view: &arguments.view,
         is_quiet: arguments.quiet,
         restarts: arguments.restart_on_fault,
+        changes: &[],
     };
-    let claim = || RunFolder::reclaim(&arguments.out);
+    let change = ChangeRecord { window: from.record.window, set: sets(arguments) };
+    let before = from.manifest.clone();
+    let claim = || {
+        let folder = RunFolder::reclaim(&arguments.out)?;
+        if !change.set.is_empty() {
+            record_change(folder.path(), &before, &change)?;
+        }
+        Ok(folder)
+    };
     match carry_out(&order, execution, Some(Begin::goes_on(from)), &mut terminal, claim) {
         Ok(code) => code,
         Err(error) => refuse(&error, &manifest, arguments.json, &mut terminal),

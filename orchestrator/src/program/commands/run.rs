@@ -4,7 +4,7 @@ use super::interrupts::count_interrupts;
 use super::{refuse, refuse_text};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{self, JudgedFinding};
-use crate::outputs::{Ending, OutputError, RunFolder, Summary, WholeCheckpoint};
+use crate::outputs::{ChangeRecord, Ending, OutputError, RunFolder, Summary, WholeCheckpoint};
 use crate::preflight;
 use crate::program::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::registry::LOGS_SHOWN;
@@ -79,11 +79,13 @@ fn run_checked(
     arguments: &RunArgs,
     terminal: &mut Terminal,
 ) -> Result<ExitCode, RunError> {
+    let planned = planned_changes(arguments.changes.as_deref(), manifest)?;
     let execution = Execution {
         in_process: arguments.in_process,
         inject: arguments.inject.clone(),
         trace: arguments.trace.clone(),
         pause_at: arguments.pause_at,
+        changes: planned.clone(),
         ..Execution::default()
     };
     let folder = folder_of(&arguments.manifest.manifest);
@@ -93,6 +95,7 @@ fn run_checked(
         view: &arguments.view,
         is_quiet: arguments.manifest.quiet,
         restarts: arguments.restart_on_fault,
+        changes: &planned,
     };
     let from = match &arguments.from {
         None => None,
@@ -100,6 +103,23 @@ fn run_checked(
     };
     let claim = || RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest);
     carry_out(&order, execution, from, terminal, claim)
+}
+
+/// The changes in a file, each tried on the manifest that the ones before it leave.
+fn planned_changes(
+    file: Option<&Path>,
+    manifest: &Manifest,
+) -> Result<Vec<ChangeRecord>, RunError> {
+    let Some(path) = file else { return Ok(Vec::new()) };
+    let wrong = |text: String| RunError::Input(vec![Problem::new("--changes", text)]);
+    let planned = outputs::read_changes(path).map_err(wrong)?;
+    let (file, mut text) = (Path::new(manifest.source.file()), manifest.resolved());
+    for ChangeRecord { window, set } in &planned {
+        let changed = changes::changed(file, &text, set)
+            .map_err(|error| wrong(format!("the change of window {window}: {error}")))?;
+        text = changed.resolved();
+    }
+    Ok(planned)
 }
 
 /// The checkpoint of another run from which a run of `manifest` shall begin.
@@ -139,6 +159,8 @@ pub(super) struct RunOrder<'a> {
     pub is_quiet: bool,
     /// Most times that it goes on by itself after a fault.
     pub restarts: u32,
+    /// Changes of the manifest at windows to come.
+    pub changes: &'a [ChangeRecord],
 }
 
 /// Carries out a run from its begin, or `from` a checkpoint on, with its outputs in the folder that
@@ -159,6 +181,9 @@ pub(super) fn carry_out(
     }
     let interrupts = count_interrupts().map_err(RunError::Signals)?;
     let mut out = claim()?;
+    if let Some(Begin { checkpoint, same_outputs: true }) = &from {
+        outputs::forget_changes(out.path(), checkpoint.record.window)?;
+    }
     let mut restarts = Restarts { left: order.restarts, failed_at: None };
     let mut manifest = Cow::Borrowed(order.manifest);
     // The manifest before a change, until a run with the changed one has begun.
@@ -170,6 +195,8 @@ pub(super) fn carry_out(
             Ok(ended) => ended,
             Err(error) if before.is_some() && !matches!(error, RunError::Interrupted) => {
                 terminal.warn(&format!("the change is taken back: {error}"));
+                let window = from.as_ref().map_or(0, |from| from.checkpoint.record.window);
+                outputs::forget_changes(out.path(), window.saturating_sub(1))?;
                 manifest = before.take().unwrap_or(manifest);
                 continue;
             }
@@ -192,6 +219,8 @@ pub(super) fn carry_out(
         // A fault that was committed on purpose belongs to the first try.
         execution.inject.clear();
         execution.pause_at = next.pause_at;
+        let window = next.from.record.window;
+        execution.changes = order.changes.iter().filter(|it| it.window > window).cloned().collect();
         out = RunFolder::reclaim(out.path())?;
         from = Some(Begin::goes_on(next.from));
         if let Some(changed) = next.manifest {
@@ -234,13 +263,15 @@ fn with_change(
     terminal: &Terminal,
 ) -> Option<NextLeg> {
     let given_up = |why: String| terminal.warn(&format!("the change was not made: {why}"));
-    let from = WholeCheckpoint::find(out, Some(change.window));
+    let from = WholeCheckpoint::find(out, Some(change.record.window));
     let from = from.map_err(|error| given_up(error.to_string())).ok()?;
     let file = Path::new(order.manifest.source.file());
-    let manifest = changes::changed(file, &from.manifest, &change.sets);
+    let manifest = changes::changed(file, &from.manifest, &change.record.set);
     let mut manifest = manifest.map_err(|error| given_up(error.to_string())).ok()?;
+    let recorded = outputs::record_change(out, &from.manifest, &change.record);
+    recorded.map_err(|error| given_up(error.to_string())).ok()?;
     add_observers(&mut manifest, order.view);
-    let pause_at = change.is_paused.then_some(change.window);
+    let pause_at = change.is_paused.then_some(change.record.window);
     Some(NextLeg { from, manifest: Some(manifest), pause_at })
 }
 

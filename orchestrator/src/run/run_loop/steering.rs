@@ -5,22 +5,22 @@
 
 use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
-use crate::outputs::{Ending, LogLevel, OutputError};
+use crate::outputs::{ChangeRecord, Ending, LogLevel, OutputError};
 use crate::run::changes;
-use crate::steering::{Answer, Asked, RunState, RunStatus, SteeringCommand, SteeringSocket};
+use crate::steering::{
+    Answer, RunState, RunStatus, SteeringCommand, SteeringRequest, SteeringSocket,
+};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 use tremie_channels::ChannelMedium;
 
-/// Changes that a user made to a run in progress.
+/// A change that a user made to a run in progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// Window from whose end on they hold; there is a checkpoint of it.
-    pub window: u64,
-    /// Keys and values.
-    pub sets: Vec<(String, String)>,
+    /// What changes, and the window from whose end on it holds; there is a checkpoint of it.
+    pub record: ChangeRecord,
     /// The run was paused, and shall be again.
     pub is_paused: bool,
 }
@@ -33,11 +33,13 @@ pub struct Steering {
     /// Last window that may be made while the run is held.
     hold: Option<u64>,
     /// Commands that are answered when their window is made.
-    until_window: Vec<(u64, Asked)>,
+    until_window: Vec<(u64, SteeringRequest)>,
     /// Commands that are answered when the checkpoint of their window is whole.
-    until_checkpoint: Vec<(u64, Asked)>,
+    until_checkpoint: Vec<(u64, SteeringRequest)>,
     /// Commands that need a checkpoint, while another is under way.
-    queue: VecDeque<Asked>,
+    queue: VecDeque<SteeringRequest>,
+    /// Changes that were planned before the run, in the order of their windows.
+    planned: VecDeque<ChangeRecord>,
     /// A change whose checkpoint is under way.
     change: Option<Change>,
     /// A change for which the run ends.
@@ -51,6 +53,7 @@ impl Steering {
         run: u64,
         manifest: PathBuf,
         pause_at: Option<u64>,
+        planned: VecDeque<ChangeRecord>,
     ) -> Self {
         Self {
             socket,
@@ -60,6 +63,7 @@ impl Steering {
             until_window: Vec::new(),
             until_checkpoint: Vec::new(),
             queue: VecDeque::new(),
+            planned,
             change: None,
             taken: None,
         }
@@ -67,19 +71,27 @@ impl Steering {
 
     /// Last window that may be granted.
     pub(super) fn last_window(&self) -> u64 {
-        self.hold.unwrap_or(u64::MAX)
+        let before = self.planned.front().map_or(u64::MAX, |change| change.window - 1);
+        self.hold.unwrap_or(u64::MAX).min(before)
     }
 
     /// The run ends: nothing holds it any longer, and no change is made.
     pub(super) fn release(&mut self) {
         self.hold = None;
         self.change = None;
+        self.planned.clear();
         let waiting = self.until_window.drain(..).map(|(_, asked)| asked);
         waiting.chain(self.queue.drain(..)).for_each(|asked| asked.refuse("the run is ending"));
     }
 
-    fn next(&self) -> Option<Asked> {
+    fn next(&self) -> Option<SteeringRequest> {
         self.socket.as_ref()?.next()
+    }
+
+    /// The planned change that is due, if the next window to grant is `next`.
+    fn due(&mut self, next: u64) -> Option<SteeringRequest> {
+        let planned = self.planned.pop_front_if(|change| change.window == next)?;
+        Some(SteeringRequest::planned(SteeringCommand::Set { changes: planned.set }))
     }
 }
 
@@ -91,6 +103,10 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
         if self.checkpoints.under_way.is_none() {
             self.answer_after_checkpoint(state)?;
+            let next = state.granted.map_or(0, |granted| granted + 1);
+            if let Some(planned) = self.steering.due(next) {
+                self.obey(state, planned)?;
+            }
             if let Some(asked) = self.steering.queue.pop_front() {
                 self.obey(state, asked)?;
             }
@@ -99,7 +115,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         Ok(())
     }
 
-    fn obey(&mut self, state: &mut LoopState, asked: Asked) -> Result<(), EndReason> {
+    fn obey(&mut self, state: &mut LoopState, asked: SteeringRequest) -> Result<(), EndReason> {
         let command = asked.command.clone();
         if let SteeringCommand::Status {} = command {
             let status = self.status(state);
@@ -144,7 +160,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         Ok(())
     }
 
-    fn hold_at(&mut self, window: u64, asked: Asked) {
+    fn hold_at(&mut self, window: u64, asked: SteeringRequest) {
         self.steering.hold = Some(window);
         self.steering.until_window.push((window, asked));
     }
@@ -153,13 +169,16 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     fn ask_for_checkpoint(
         &mut self,
         state: &mut LoopState,
-        asked: Asked,
+        asked: SteeringRequest,
     ) -> Result<(), OutputError> {
         if self.checkpoints.under_way.is_some() || !state.not_watching.is_empty() {
             self.steering.queue.push_back(asked);
             return Ok(());
         }
         if let Some(why) = self.why_no_checkpoint(state) {
+            if asked.is_planned() {
+                self.terminal.warn(&format!("a planned change was not made: {why}"));
+            }
             asked.refuse(why);
             return Ok(());
         }
@@ -172,7 +191,8 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 asked.refuse(error.to_string());
                 return Ok(());
             }
-            self.steering.change = Some(Change { window, sets, is_paused: held.is_some() });
+            let record = ChangeRecord { window, set: sets };
+            self.steering.change = Some(Change { record, is_paused: held.is_some() });
         }
         self.begin_checkpoint(state, window)?;
         // Its window must be made, also by a run that is paused. What would come after a change would be
@@ -206,7 +226,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Answers commands whose checkpoint is no longer under way.
     fn answer_after_checkpoint(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         for (window, asked) in std::mem::take(&mut self.steering.until_checkpoint) {
-            let change = self.steering.change.take_if(|change| change.window == window);
+            let change = self.steering.change.take_if(|change| change.record.window == window);
             if self.checkpoints.newest != Some(window) {
                 if let Some(change) = change {
                     self.steering.hold = change.is_paused.then_some(window);
@@ -222,7 +242,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 asked.answer(Answer::Done { text, window });
                 continue;
             };
-            let sets = change.sets.iter().map(|(key, value)| format!("{key}={value}"));
+            let sets = change.record.set.iter().map(|(key, value)| format!("{key}={value}"));
             let text = format!("{} from window {window} on", sets.collect::<Vec<_>>().join(", "));
             self.record(&format!("set {text}"), window)?;
             asked.answer(Answer::Done { text, window });
