@@ -14,6 +14,7 @@ use crate::run::launch::{ComponentEvent, Peer, PeerEvent, end_all};
 use crate::run::monitor::{Monitor, WatchedComponent};
 use crate::run::run_loop::{CheckpointKeeping, LoopOutcome, RunLoop};
 use crate::run::stop_conditions::StopConditions;
+use crate::run::watchdogs::Watchdogs;
 use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
@@ -114,6 +115,7 @@ impl Prepared {
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
         let checkpoints = self.checkpoints(manifest, programs, out.path(), first);
+        let watchdogs = self.watchdogs(&names);
         let monitor = self.monitor(&physics, from.map(|from| from.record.window));
         let drive = RunLoop {
             control,
@@ -131,6 +133,7 @@ impl Prepared {
             report_depth: REPORT_DEPTH,
             deadline: spec.run.deadline,
             stop: StopConditions::new(&spec.stop_when, &names),
+            watchdogs,
             table,
             log,
             trace,
@@ -173,7 +176,8 @@ impl Prepared {
         let deadline = manifest.spec.run.deadline;
         let assignments =
             self.assignments(&root, &prefix, execution.in_process, deadline, poll, from);
-        let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
+        let values = self.plan.components.iter().map(|c| c.signals + c.values_of_places());
+        let signals: Vec<_> = values.collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
         if let Err(error) = self.assign(&assignments, manifest, interrupts, from) {
@@ -237,8 +241,16 @@ impl Prepared {
             name: self.peers[index].name.clone(),
             substeps: self.plan.components[index].substeps,
             signals: self.descriptions[index].signals.len(),
+            places: self.plan.components[index].values_of_places(),
         });
         Monitor::new(self.run, self.plan.clock, watched.collect(), done, Instant::now())
+    }
+
+    /// Watchdogs of the physics, whose signals have these full names.
+    fn watchdogs(&self, names: &[(String, Signal)]) -> Watchdogs {
+        let physics = self.plan.components.iter().filter(|c| c.role != Role::Observer);
+        let places: Vec<_> = physics.map(|c| (c.name.clone(), c.values_of_places())).collect();
+        Watchdogs::new(&self.plan.watches, names, &places)
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.

@@ -11,8 +11,15 @@ use std::process::ExitCode;
 
 /// Keys of the manifest that may change where a run goes on, and all below them: none of them is part of
 /// a state.
-const MAY_CHANGE: [&str; 6] =
-    ["run.until", "run.deadline", "run.start_within", "run.checkpoints", "outputs", "stop_when"];
+const MAY_CHANGE: [&str; 7] = [
+    "run.until",
+    "run.deadline",
+    "run.start_within",
+    "run.checkpoints",
+    "outputs",
+    "stop_when",
+    "watch",
+];
 
 /// `tremie resume`.
 pub fn resume(arguments: &ResumeArgs) -> ExitCode {

@@ -149,15 +149,17 @@ pub(super) fn carry_out(
 }
 
 /// The checkpoint from which a run that failed may go on by itself; `None` if it did not fail, or would
-/// fail again: at the window of the fault before, or because an output cannot be written.
+/// fail again: at the window of the fault before, because its physics went wrong, or because an output
+/// cannot be written.
 fn restart(
     summary: &Summary,
     failed_at: &mut Option<u64>,
     out: &Path,
     terminal: &Terminal,
 ) -> Option<WholeCheckpoint> {
-    let Ending::Failed { fault } = &summary.ending else { return None };
-    if fault.kind == FaultKind::Output || summary.checkpoint.is_none() {
+    let Ending::Failed { fault, .. } = &summary.ending else { return None };
+    let fails_again = [FaultKind::Output, FaultKind::Physics].contains(&fault.kind);
+    if fails_again || summary.checkpoint.is_none() {
         return None;
     }
     if failed_at.replace(fault.window) == Some(fault.window) {
@@ -362,6 +364,12 @@ fn last_line(summary: &Summary, out: &Path) -> String {
         Ending::Completed => format!("completed: {went}"),
         Ending::Stopped { reason } => format!("stopped: {reason}; {went}"),
         Ending::Interrupted => format!("interrupted: {went}{resume}"),
-        Ending::Failed { fault } => format!("outputs up to {went}\nfailed: {fault}{resume}"),
+        Ending::Failed { fault, breach } => {
+            let before = breach.as_ref().map(|breach| match breach.resumption() {
+                Some([options, effect]) => format!("\n`tremie resume {name}{options}` {effect}"),
+                None => "\nno checkpoint is from before that; `--set run.checkpoints.windows=N` makes one every N windows".into(),
+            });
+            format!("outputs up to {went}\nfailed: {fault}{}", before.unwrap_or(resume))
+        }
     }
 }
