@@ -32,3 +32,4 @@ mod sliders;
 mod starting;
 mod tremie;
 mod validation;
+mod watchdogs;

@@ -111,7 +111,7 @@ pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
     let flags = description.signals.iter().map(|signal| signal.sampled);
     let sampled: Vec<usize> =
         flags.enumerate().filter_map(|(k, sampled)| sampled.then_some(k)).collect();
-    let mut places = PlaceTeller::new(&description, &assignment);
+    let mut places = PlaceTeller::of(&description, &assignment.watched);
     let values = signals + places.values();
     let mut context =
         match Context::<S>::open(hello.run, &hello.component, assignment, values, line) {
@@ -227,7 +227,7 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
                 values.get_mut(place).into_iter().for_each(|value| *value = f64::NAN);
             }
         }
-        places.push(player, &mut values);
+        places.push(&mut values, |signal| player.place(signal));
         if keeps_row {
             player.row_kept();
         }

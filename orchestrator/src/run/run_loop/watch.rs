@@ -8,7 +8,7 @@ use crate::run::monitor::WatchedRow;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
-use tremie_messages::start::Fault;
+use tremie_messages::start::{Fault, FaultKind};
 use tremie_messages::units;
 
 /// Interval of looks at the replies of components that still write their states.
@@ -38,10 +38,12 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     pub(super) fn first_reason(&mut self, state: &mut LoopState, reason: EndReason) -> EndReason {
         let breach = match reason {
             EndReason::Breach(breach) => breach,
-            EndReason::Fault(fault) => match self.breach_before(state, &fault) {
-                Some(breach) => breach,
-                None => return EndReason::Fault(fault),
-            },
+            EndReason::Fault(fault) if fault.kind != FaultKind::Output => {
+                match self.breach_before(state, &fault) {
+                    Some(breach) => breach,
+                    None => return EndReason::Fault(fault),
+                }
+            }
             other => return other,
         };
         self.await_checkpoint(state, breach.window);
