@@ -34,3 +34,4 @@ mod starting;
 mod steering;
 mod tremie;
 mod validation;
+mod watchdogs;

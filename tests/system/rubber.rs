@@ -325,13 +325,19 @@ fn faults_inside_a_window_are_caught_with_both_sides_named() {
 #[test]
 fn a_ring_that_leaves_its_table_ends_the_run_with_what_to_do() {
     let valve = Valve::new();
-    let ran = valve.run(&["--set", "scene.parts[0].motion.slider.force=-100 N"]);
-    assert_eq!(ran.code(), Some(1), "{}", ran.errors());
-    let found = &ran.summary()["fault"];
-    assert_eq!((&found["kind"], &found["blamed"]), (&"solver".into(), &"rubber".into()));
-    for word in ["\"ring\"", "its table ends at 0.6000 mm", "larger compression"] {
-        assert!(ran.errors().contains(word), "{}", ran.errors());
-    }
+    let pressed = ["--set", "scene.parts[0].motion.slider.force=-100 N"];
+    let failed = |options: &[&str], kind: &str, words: &[&str]| {
+        let ran = valve.run(&[&pressed[..], options].concat());
+        assert_eq!(ran.code(), Some(1), "{}", ran.errors());
+        let found = &ran.summary()["fault"];
+        assert_eq!((&found["kind"], &found["blamed"]), (&kind.into(), &"rubber".into()));
+        words.iter().for_each(|word| assert!(ran.errors().contains(word), "{}", ran.errors()));
+    };
+    // Its watchdog sees it come.
+    let words = ["compression of ring over the largest of its table is 0.99", "watch.compression"];
+    failed(&[], "physics", &words);
+    let words = ["\"ring\"", "its table ends at 0.6000 mm", "larger compression"];
+    failed(&["--set", "watch.compression=off"], "solver", &words);
 }
 
 #[test]

@@ -47,7 +47,7 @@ pub use lattice::error::FluidError;
 pub use lattice::ledger::Ledger;
 pub use report::findings::{findings, limits};
 pub use report::resolution::Resolution;
-pub use solver::diagnostics::{Diagnostics, SliceNode};
+pub use solver::diagnostics::{Diagnostics, Extreme, SliceNode};
 pub use tremie_fluid_kit::checks::gap_width_check::Narrow;
 pub use tremie_fluid_kit::checks::mended_part::MendedPart;
 pub use tremie_fluid_kit::checks::part_extent::PartExtent;

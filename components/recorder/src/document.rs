@@ -114,6 +114,7 @@ impl RunNote {
             body_capacity: 0,
             edges: Vec::new(),
             script: Script::default(),
+            watched: Vec::new(),
             frames: self.streams.iter().map(frame).collect(),
             transport: no_transport(),
             injections: Vec::new(),

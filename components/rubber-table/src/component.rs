@@ -9,7 +9,9 @@ use tremie_sdk::messages::finding::short;
 use tremie_sdk::messages::scene::{DeformableSurface, Scene};
 use tremie_sdk::messages::schedule::Content;
 use tremie_sdk::messages::start::{Assignment, Description, Signal};
-use tremie_sdk::messages::{BodyState, FacetLoad, Load, Problem, SurfaceVertex};
+use tremie_sdk::messages::{
+    BodyState, FacetLoad, Limit, Load, Problem, SurfaceVertex, WatchedQuantity,
+};
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsRubber, ControlPipe, Rubber, Setup, SolverError};
 
@@ -20,9 +22,15 @@ pub struct Seals {
     first: Vec<[usize; 2]>,
 }
 
+/// Name of the signal with the compression over the table's largest.
+const SHARE: &str = "compression_share";
+/// Shares of the table's reach, doubtful and wrong.
+const REACHED: [f64; 2] = [0.9, 0.99];
+
 /// Signals of each seal, in the order in which they are pushed, named `surface.value`.
-const SIGNALS: [(&str, &str, &str); 8] = [
+const SIGNALS: [(&str, &str, &str); 9] = [
     ("compression", "m", "how far it is compressed"),
+    (SHARE, "1", "the same over the largest compression of its table"),
     ("rate", "m/s", "rate of the compression over the last step"),
     ("force", "N", "what compresses it: the effective force of all that acts on its surface"),
     ("table_force", "N", "force of the table at this compression"),
@@ -56,6 +64,7 @@ impl Rubber for Seals {
             work: "vertices".into(),
             notes: pairs().map(|(surface, table)| note(surface, table)).collect(),
             resolution,
+            limits: scene.surfaces.iter().map(limit).collect(),
             state: Some(Seal::STATE_VERSION),
             ..Description::default()
         })
@@ -138,7 +147,7 @@ impl Rubber for Seals {
             let Readings { compression, rate, force, table_force, .. } = seal.readings();
             let Readings { mean_passes, most_passes, .. } = seal.readings();
             let Readings { seat_pressure, peak_seat_pressure, .. } = seal.readings();
-            values.extend([compression, rate, force, table_force]);
+            values.extend([compression, compression / seal.reach(), rate, force, table_force]);
             values.extend([mean_passes, f64::from(most_passes), seat_pressure, peak_seat_pressure]);
         }
     }
@@ -212,6 +221,21 @@ fn signals(scene: &Scene) -> Vec<Signal> {
         })
     };
     scene.surfaces.iter().flat_map(of).collect()
+}
+
+fn limit(surface: &DeformableSurface) -> Limit {
+    let name = &surface.name;
+    let [doubtful, wrong] = REACHED;
+    Limit {
+        signal: format!("{name}.{SHARE}"),
+        quantity: format!("compression of {name} over the largest of its table"),
+        unit: "1".into(),
+        doubtful,
+        wrong: Some(wrong),
+        why: "beyond its table nothing is known of the rubber".into(),
+        remedy: "a table that reaches further (`tremie rubber make-table`), a stiffer rubber, or stops that hold its carrier".into(),
+        watch: Some(WatchedQuantity::Compression),
+    }
 }
 
 fn note(surface: &DeformableSurface, table: &Table) -> String {

@@ -18,7 +18,7 @@ use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::schedule::{Content, Op};
 use tremie_messages::start::{Description, FaultKind, VolumeGrid};
 use tremie_messages::{
-    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, Role, Stamp, SurfaceVertex,
+    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, Role, Stamp, SurfaceVertex,
 };
 use tremie_state::{StateError, StateExchange};
 
@@ -32,7 +32,8 @@ impl<T: Fluid> Participant for AsFluid<T> {
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
         check_polyhedra(setup, T::PROGRAM, T::TAKES_POLYHEDRA)?;
-        let described = Description { ports: T::TELLS_PORTS, ..T::describe(setup)? };
+        let own = T::describe(setup)?;
+        let described = Description { ports: T::TELLS_PORTS, tells_places: true, ..own };
         Ok(Impulse::announce(described, "impulse_delivered"))
     }
 
@@ -217,6 +218,10 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
 
     fn row_kept(&mut self) {
         self.fluid.row_kept();
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        self.fluid.place(signal)
     }
 
     fn work(&self) -> u64 {

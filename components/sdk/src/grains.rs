@@ -18,7 +18,7 @@ use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::Description;
-use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Role, Stamp};
+use tremie_messages::{BodyEvent, BodyState, Load, Place, PortState, Problem, Role, Stamp};
 use tremie_state::{StateError, StateExchange};
 
 /// Grains as a component of a run.
@@ -31,7 +31,8 @@ impl<T: Grains> Participant for AsGrains<T> {
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
         check_polyhedra(setup, T::PROGRAM, T::TAKES_POLYHEDRA)?;
-        let described = Description { ports: T::TAKES_PORTS, ..T::describe(setup)? };
+        let own = T::describe(setup)?;
+        let described = Description { ports: T::TAKES_PORTS, tells_places: true, ..own };
         Ok(Impulse::announce(described, "impulse_received"))
     }
 
@@ -189,6 +190,10 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
 
     fn row_kept(&mut self) {
         self.grains.row_kept();
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        self.grains.place(signal)
     }
 
     fn work(&self) -> u64 {

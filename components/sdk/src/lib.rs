@@ -24,6 +24,7 @@ pub mod line;
 mod observe;
 pub mod observer;
 pub mod parameters;
+mod place_teller;
 mod ports;
 mod program;
 mod role_adapter;

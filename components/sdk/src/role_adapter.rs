@@ -5,8 +5,8 @@ use crate::frames::FrameSource;
 use crate::setup::Setup;
 use crate::stop::Stop;
 use tremie_channels::ChannelMedium;
-use tremie_messages::Problem;
 use tremie_messages::schedule::Content;
+use tremie_messages::{Place, Problem};
 use tremie_state::{StateError, StateExchange};
 
 /// A solver that plays its role in the windows of a run.
@@ -34,6 +34,8 @@ pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     fn signals(&mut self, values: &mut Vec<f64>, measure: bool);
     /// A row of the signals was kept: means over time begin anew.
     fn row_kept(&mut self) {}
+    /// Place at which a signal has its value now, if that is known.
+    fn place(&self, signal: &str) -> Option<Place>;
     /// Work done in one substep.
     fn work(&self) -> u64;
     /// True if it commits faults that end its own process inside a window, not before one.

@@ -4,7 +4,9 @@ use crate::setup::Setup;
 use tremie_messages::frame::{ProfileBin, ProfileHeader, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::scene::{BodySet, Placement};
 use tremie_messages::start::{Description, VolumeGrid};
-use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
+use tremie_messages::{
+    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex,
+};
 use tremie_state::{StateError, StateExchange};
 
 /// A solver failed: a sentence that says what, where, found, expected, what to do.
@@ -174,6 +176,15 @@ pub trait Fluid: Sized {
     /// A row of the signals was kept: means over time from row to row begin anew.
     fn row_kept(&mut self) {}
 
+    /// Place at which the signal of that name, one that the run watches ([`Limit::watch`]), has its
+    /// value now; `None` where the fluid does not know. It may take time: it is asked when a limit is
+    /// passed.
+    ///
+    /// [`Limit::watch`]: tremie_messages::Limit::watch
+    fn place(&self, _signal: &str) -> Option<Place> {
+        None
+    }
+
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {
         0
@@ -262,6 +273,15 @@ pub trait Grains: Sized {
 
     /// A row of the signals was kept: means over time from row to row begin anew.
     fn row_kept(&mut self) {}
+
+    /// Place at which the signal of that name, one that the run watches ([`Limit::watch`]), has its
+    /// value now; `None` where the grains do not know. It may take time: it is asked when a limit is
+    /// passed.
+    ///
+    /// [`Limit::watch`]: tremie_messages::Limit::watch
+    fn place(&self, _signal: &str) -> Option<Place> {
+        None
+    }
 
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {
@@ -418,6 +438,15 @@ pub trait Rubber: Sized {
 
     /// Pushes the values of the signals, in the order of the description.
     fn signals(&mut self, values: &mut Vec<f64>);
+
+    /// Place at which the signal of that name, one that the run watches ([`Limit::watch`]), has its
+    /// value now; `None` where the rubber does not know. It may take time: it is asked when a limit is
+    /// passed.
+    ///
+    /// [`Limit::watch`]: tremie_messages::Limit::watch
+    fn place(&self, _signal: &str) -> Option<Place> {
+        None
+    }
 
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {

@@ -16,7 +16,7 @@ use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::frame::SurfaceSample;
 use tremie_messages::schedule::Content;
 use tremie_messages::start::Description;
-use tremie_messages::{FacetLoad, Problem, Role, Stamp, SurfaceVertex};
+use tremie_messages::{FacetLoad, Place, Problem, Role, Stamp, SurfaceVertex};
 use tremie_state::{StateError, StateExchange};
 
 /// Rubber as a component of a run.
@@ -27,7 +27,7 @@ impl<T: Rubber> Participant for AsRubber<T> {
     const PROGRAM: &'static str = T::PROGRAM;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        T::describe(setup)
+        Ok(Description { tells_places: true, ..T::describe(setup)? })
     }
 
     fn serve<S: ChannelMedium>(line: ControlPipe, assigned: Assigned) -> Result<(), String> {
@@ -134,6 +134,10 @@ impl<S: ChannelMedium, R: Rubber> RoleAdapter<S> for RubberPlayer<S, R> {
 
     fn signals(&mut self, values: &mut Vec<f64>, _: bool) {
         self.rubber.signals(values);
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        self.rubber.place(signal)
     }
 
     fn work(&self) -> u64 {

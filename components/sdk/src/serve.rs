@@ -4,6 +4,7 @@ use crate::context::Context;
 use crate::frames::Frames;
 use crate::keep::StateKeeper;
 use crate::line::ControlPipe;
+use crate::place_teller::PlaceTeller;
 use crate::role_adapter::RoleAdapter;
 use crate::setup::Setup;
 use crate::stop::Stop;
@@ -110,8 +111,10 @@ pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
     let flags = description.signals.iter().map(|signal| signal.sampled);
     let sampled: Vec<usize> =
         flags.enumerate().filter_map(|(k, sampled)| sampled.then_some(k)).collect();
+    let mut places = PlaceTeller::of(&description, &assignment.watched);
+    let values = signals + places.values();
     let mut context =
-        match Context::<S>::open(hello.run, &hello.component, assignment, signals, line) {
+        match Context::<S>::open(hello.run, &hello.component, assignment, values, line) {
             Ok(context) => context,
             Err(failed) => {
                 let (stop, mut line) = *failed;
@@ -120,7 +123,8 @@ pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
             }
         };
     let ended = catch_unwind(AssertUnwindSafe(|| {
-        live(&mut player, &mut context, &mut keeper, (signals, &sampled))
+        let told = Reported { signals, sampled: &sampled, places: &mut places };
+        live(&mut player, &mut context, &mut keeper, told)
     }))
     .unwrap_or_else(|panic| {
         Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
@@ -162,13 +166,22 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     format!("the solver panicked: {said}")
 }
 
-/// From ready to the last window; returns that window. `signals`: their number, and the places of
-/// those that are not measured in every window.
+/// What a component reports in each window.
+struct Reported<'a> {
+    /// Number of its signals.
+    signals: usize,
+    /// Places among them of those that are not measured in every window.
+    sampled: &'a [usize],
+    /// Where those are that the run watches.
+    places: &'a mut PlaceTeller,
+}
+
+/// From ready to the last window; returns that window.
 fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     player: &mut P,
     context: &mut Context<S>,
     keeper: &mut StateKeeper,
-    (signals, sampled): (usize, &[usize]),
+    Reported { signals, sampled, places }: Reported<'_>,
 ) -> Result<u64, Stop> {
     player.open(context)?;
     let resume = context.assignment.resume.clone();
@@ -214,11 +227,13 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
                 values.get_mut(place).into_iter().for_each(|value| *value = f64::NAN);
             }
         }
+        places.push(&mut values, |signal| player.place(signal));
         if keeps_row {
             player.row_kept();
         }
         let work = player.work();
         context.send_report(begin, work, &values)?;
+        values.truncate(signals);
         if context.keeps_state() {
             let replier = context.line().replier();
             keeper.keep(window, replier, |state| player.exchange_state(state));

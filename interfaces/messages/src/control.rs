@@ -29,7 +29,8 @@ impl Credit {
     pub const ABORT: u64 = 2;
 }
 
-/// A component's account of one window, sent to the orchestrator with its signals as payload.
+/// A component's account of one window, sent to the orchestrator with its signals as payload, and the
+/// places of watched ones after them, where its description says so.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Report {

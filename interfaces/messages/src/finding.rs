@@ -1,5 +1,6 @@
 //! Findings: numbers with a verdict on how far a run can be trusted, and a remedy.
 
+use crate::watch::WatchedQuantity;
 use serde::{Deserialize, Serialize};
 
 /// A number about a run, judged.
@@ -117,7 +118,7 @@ pub fn short(value: f64) -> String {
 }
 
 /// Limit of a signal through a run. A component states it before; the orchestrator judges the
-/// greatest value when the run is over.
+/// greatest value when the run is over, and stops the run where it watches the signal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limit {
@@ -136,6 +137,11 @@ pub struct Limit {
     pub why: String,
     /// See [`Finding::remedy`].
     pub remedy: String,
+    /// Quantity by which a run watches the signal: above [`Limit::doubtful`] a checkpoint is made,
+    /// above [`Limit::wrong`], or what the manifest gives for the quantity, the run stops. `None`:
+    /// nothing watches it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub watch: Option<WatchedQuantity>,
 }
 
 impl Limit {
@@ -177,6 +183,7 @@ mod tests {
             wrong: Some(0.4),
             why: "it is no small overlap".into(),
             remedy: "stiffer contacts".into(),
+            watch: None,
         };
         let verdicts = [0.1, 0.2, 0.5].map(|value| limit.judge(value, 2e-3).verdict);
         assert_eq!(verdicts, [Verdict::Ok, Verdict::Doubtful, Verdict::Wrong]);

@@ -21,6 +21,7 @@ pub mod stamp;
 pub mod start;
 pub mod surface;
 pub mod units;
+pub mod watch;
 
 pub use body::{BodyEvent, BodyState, Load};
 pub use finding::{Finding, Limit, Verdict};
@@ -29,6 +30,7 @@ pub use problem::{Problem, nearest};
 pub use role::Role;
 pub use stamp::Stamp;
 pub use surface::{FacetLoad, SurfaceVertex};
+pub use watch::{Place, WatchedQuantity, WatchedSignal};
 
 /// Version of everything in this crate that crosses a process boundary. A component of another
 /// version is refused at the handshake, before anything is computed.

@@ -25,7 +25,7 @@ pub use differences::differences;
 pub use source::Source;
 pub use spec::{
     Checkpoints, ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, START_WITHIN, Spec,
-    StopCondition,
+    StopCondition, WatchLimit,
 };
 
 use document::Document;

@@ -3,9 +3,9 @@
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
-use tremie_messages::Role;
 use tremie_messages::scene::Scene;
 use tremie_messages::schedule::Schedule;
+use tremie_messages::{Role, WatchedQuantity};
 
 /// Most substeps that a component may make in a coupling window.
 pub const MOST_SUBSTEPS: u32 = 1000;
@@ -29,6 +29,17 @@ pub struct Spec {
     pub outputs: Outputs,
     /// Conditions that end the run early.
     pub stop_when: Vec<StopCondition>,
+    /// Limits of the physics that the manifest gives; for others those of the components hold.
+    pub watch: BTreeMap<WatchedQuantity, WatchLimit>,
+}
+
+/// Limit of a watched quantity, as the manifest gives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WatchLimit {
+    /// Above it the run stops.
+    Above(f64),
+    /// The quantity is not watched.
+    Off,
 }
 
 /// Length of a run, order of its components, waits and seed.

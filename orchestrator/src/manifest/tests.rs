@@ -13,6 +13,7 @@ mod planes;
 mod polyhedra;
 mod profiles;
 mod seals;
+mod watch;
 
 /// A manifest that is right; tests break one line of it.
 const GOOD: &str = r#"[run]

@@ -28,6 +28,9 @@ pub struct CheckpointRecord {
     pub clock: Clock,
     /// Folder from which the manifest's programs are found.
     pub programs: PathBuf,
+    /// Signal that came near its limit, if a watchdog asked for the checkpoint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_for: Option<String>,
     /// Components with a state, by name.
     pub components: BTreeMap<String, ComponentRecord>,
 }
@@ -48,7 +51,7 @@ pub struct ComponentRecord {
 
 const RECORD: &str = "checkpoint.json";
 /// Version of the orchestrator's own state.
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 /// Why there is no checkpoint to go on from.
 #[derive(Debug, thiserror::Error)]
@@ -179,9 +182,18 @@ pub fn remove_unfinished_checkpoints(output: &Path) {
     }
 }
 
-/// Removes all checkpoints of a run but the newest `keep`.
+/// Removes all checkpoints of a run but the newest `keep`, and the newest that a watchdog asked for.
 pub fn remove_old_checkpoints(output: &Path, keep: usize) {
-    let windows = windows_of(output);
+    let mut windows = windows_of(output);
+    let is_asked = |window: &u64| {
+        let text = fs::read_to_string(checkpoint::folder(output, *window).join(RECORD));
+        let record =
+            text.ok().and_then(|text| serde_json::from_str::<CheckpointRecord>(&text).ok());
+        record.is_some_and(|record| record.made_for.is_some())
+    };
+    if let Some(asked) = windows.iter().rposition(is_asked) {
+        windows.remove(asked);
+    }
     for window in windows.iter().rev().skip(keep) {
         // Renamed first: a folder of that name is whole, at any time.
         let (whole, part) =

@@ -1,6 +1,7 @@
 //! Outputs of a run in its folder that the orchestrator writes: the manifest as resolved, the table
 //! of signals, the log and the summary. `tremie-results` reads the table again.
 
+mod breach;
 mod checkpoint_folder;
 mod folder;
 mod judged_finding;
@@ -11,6 +12,7 @@ mod steering_record;
 mod summary;
 mod trace;
 
+pub use breach::{Breach, with_unit};
 pub use checkpoint_folder::{
     CheckpointRecord, ComponentRecord, NoCheckpoint, UnfinishedCheckpoint, WholeCheckpoint,
     remove_old_checkpoints, remove_unfinished_checkpoints,

@@ -1,7 +1,7 @@
 //! `summary.json`: ending of a run, its cost, its headline results with their resolution.
 
 use super::signals::Statistics;
-use super::{JudgedFinding, ScheduleTiming};
+use super::{Breach, JudgedFinding, ScheduleTiming};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use tremie_messages::start::Fault;
@@ -23,14 +23,29 @@ pub enum Ending {
     Failed {
         /// The first fault.
         fault: Fault,
+        /// The watched quantity that passed its limit, if that was it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        breach: Option<Box<Breach>>,
     },
+}
+
+impl From<Fault> for Ending {
+    fn from(fault: Fault) -> Self {
+        Self::Failed { fault, breach: None }
+    }
+}
+
+impl From<Breach> for Ending {
+    fn from(breach: Breach) -> Self {
+        Self::Failed { fault: breach.fault(), breach: Some(Box::new(breach)) }
+    }
 }
 
 impl Ending {
     /// Turns a success, a stop or an interrupt into a failure. The first fault counts.
     pub fn spoil(&mut self, fault: Fault) {
         if !matches!(self, Self::Failed { .. }) {
-            *self = Self::Failed { fault };
+            *self = fault.into();
         }
     }
 

@@ -13,9 +13,11 @@ mod steps;
 mod streams;
 #[cfg(test)]
 mod tests;
+mod watches;
 
 pub(crate) use report::bytes;
 pub use steps::TOLERANCE;
+pub use watches::PlannedWatch;
 
 use crate::manifest::{ComponentSpec, Spec};
 use schedule::Wiring;
@@ -25,7 +27,7 @@ use tremie_messages::schedule::{Content, Edge, Schedule, Script};
 use tremie_messages::start::{
     Assignment, Clock, Description, FrameContent, FrameStream, Injection, Resume, Transport,
 };
-use tremie_messages::{FacetLoad, PortState, Problem, Role};
+use tremie_messages::{FacetLoad, Place, PortState, Problem, Role, WatchedSignal};
 
 /// Most reports under way: bounds how far components run ahead of the orchestrator's looks.
 pub const REPORT_DEPTH: u64 = 4096;
@@ -61,6 +63,8 @@ pub struct Plan {
     pub edges: Vec<Edge>,
     /// All streams of frames, the log's included.
     pub frames: Vec<FrameStream>,
+    /// Signals that the run watches, in the order of the components.
+    pub watches: Vec<PlannedWatch>,
     /// Notes on what was adapted or derived, in sentences.
     pub notes: Vec<String>,
     /// Doubtful things, with the component that reports them.
@@ -86,6 +90,10 @@ pub struct PlannedComponent {
     pub threads: Option<u32>,
     /// Number of its signals.
     pub signals: usize,
+    /// Its signals that the run watches.
+    pub watched: Vec<WatchedSignal>,
+    /// Its reports have the places of these after the signals.
+    pub tells_places: bool,
     /// Its own notes: resolution, dimensionless numbers, memory.
     pub notes: Vec<String>,
     clock: Clock,
@@ -111,11 +119,19 @@ impl PlannedComponent {
             body_capacity: self.body_capacity,
             edges: self.edges.clone(),
             script: self.script.clone(),
+            watched: self.watched.clone(),
             frames: self.frames.clone(),
             transport,
             injections: self.injections.clone(),
             resume,
         }
+    }
+}
+
+impl PlannedComponent {
+    /// Number of values in its reports after the signals: places of what the run watches.
+    pub fn values_of_places(&self) -> usize {
+        if self.tells_places { Place::VALUES * self.watched.len() } else { 0 }
     }
 }
 
@@ -228,6 +244,7 @@ fn assemble(
         frame_windows(spec, (observer, content), window, steps.windows)
     });
     let (notes, more_warnings) = notes(spec, described, &frames, &steps);
+    let watches = watches::watches(spec, described);
     let component = |(index, (spec, description)): (usize, &Described<'_>)| PlannedComponent {
         name: spec.name.clone(),
         role: spec.role,
@@ -237,6 +254,8 @@ fn assemble(
         substeps: substeps[index],
         threads: spec.threads,
         signals: description.signals.len(),
+        watched: watches::of(&spec.name, &watches),
+        tells_places: description.tells_places,
         notes: description.notes.clone(),
         clock: steps.clock,
         windows: steps.windows,
@@ -257,14 +276,6 @@ fn assemble(
             .map(|(_, i)| i.clone())
             .collect(),
     };
-    let warn = |(spec, description): &Described<'_>| {
-        let name = spec.name.clone();
-        description
-            .warnings
-            .iter()
-            .map(move |warning| format!("{name}: {warning}"))
-            .collect::<Vec<_>>()
-    };
     Plan {
         window,
         clock: steps.clock,
@@ -273,11 +284,18 @@ fn assemble(
         frames_every,
         signal_rows_every: rows_every,
         components: described.iter().enumerate().map(component).collect(),
-        warnings: described.iter().flat_map(warn).chain(more_warnings).collect(),
+        warnings: described.iter().flat_map(own_warnings).chain(more_warnings).collect(),
         notes: steps.notes.into_iter().chain(notes).collect(),
         edges,
         frames,
+        watches,
     }
+}
+
+/// Doubtful things that a component says of itself.
+fn own_warnings((spec, description): &Described<'_>) -> Vec<String> {
+    let warnings = description.warnings.iter();
+    warnings.map(|warning| format!("{}: {warning}", spec.name)).collect()
 }
 
 /// Windows between frames of a content to an observer.
@@ -311,6 +329,7 @@ fn notes(
             )
         }));
     }
+    notes.extend(watches::notes(spec, described));
     let profiles = profiles::notes(&spec.scene, steps.clock.window(), steps.windows);
     notes.extend(profiles.0);
     warnings.extend(profiles.1);

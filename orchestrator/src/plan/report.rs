@@ -1,7 +1,6 @@
 //! The plan as text for a person and as JSON for programs.
 
-use super::REPORT_DEPTH;
-use super::{Plan, PlannedComponent};
+use super::{Plan, PlannedComponent, PlannedWatch, REPORT_DEPTH, watches};
 use serde_json::{Value, json};
 use std::fmt;
 use tremie_channels::memory;
@@ -36,6 +35,10 @@ impl Plan {
             &["frames", "every", "values", "depth", "kept", "memory"],
             self.frames.iter().map(frame_row).collect(),
         ));
+        if !self.watches.is_empty() {
+            let rows = self.watches.iter().map(PlannedWatch::row).collect();
+            lines.extend(text_columns(&watches::HEADS, rows));
+        }
         lines.push(format!("shared memory: {}", bytes(self.shared_memory())));
         lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
         lines
@@ -49,6 +52,12 @@ impl Plan {
                 "step": c.step, "largest_step": c.largest_step, "threads": c.threads, "notes": c.notes,
             })
         };
+        let watch = |watch: &PlannedWatch| {
+            json!({
+                "signal": watch.name(), "quantity": watch.quantity, "from": watch.watched.from,
+                "limit": watch.watched.limit,
+            })
+        };
         json!({
             "window": self.window,
             "windows": self.windows,
@@ -59,6 +68,7 @@ impl Plan {
             "signal_rows_every": self.signal_rows_every,
             "shared_memory": self.shared_memory(),
             "components": self.components.iter().map(component).collect::<Vec<_>>(),
+            "watches": self.watches.iter().map(watch).collect::<Vec<_>>(),
             "notes": self.notes,
         })
     }
@@ -78,7 +88,10 @@ impl Plan {
     fn channels(&self) -> impl Iterator<Item = u64> {
         let edges = self.edges.iter().map(edge_memory);
         let all = edges.chain(self.frames.iter().map(frame_memory));
-        all.chain(self.components.iter().flat_map(|component| control_memory(component.signals)))
+        let reported = |component: &PlannedComponent| {
+            control_memory(component.signals + component.values_of_places())
+        };
+        all.chain(self.components.iter().flat_map(reported))
     }
 
     fn time(&self) -> String {

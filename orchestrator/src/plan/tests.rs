@@ -8,6 +8,7 @@ use tremie_messages::schedule::Content;
 use tremie_messages::start::{
     FrameContent, InjectionKind, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches,
 };
+use tremie_messages::{Limit, WatchedQuantity};
 
 const MANIFEST: &str = r#"
 [run]
@@ -97,6 +98,50 @@ fn a_component_without_a_state_is_named_if_checkpoints_are_wanted() {
     };
     assert!(notes(&[]).contains("fluid (fluid-lbm 0.1) keeps no state"), "{}", notes(&[]));
     assert!(!notes(&[("run.checkpoints.keep", "0")]).contains("state"));
+}
+
+#[test]
+fn a_run_watches_what_components_limit_unless_the_manifest_says_otherwise() {
+    let limit = |signal: &str, watch, wrong| Limit {
+        signal: signal.into(),
+        quantity: format!("greatest {signal}"),
+        unit: "1".into(),
+        doubtful: 1.0,
+        wrong,
+        why: String::new(),
+        remedy: String::new(),
+        watch,
+    };
+    let mut described = descriptions();
+    described[0].1.limits = vec![limit("mass", Some(WatchedQuantity::Mass), None)];
+    described[1].1.limits = vec![
+        limit("max_speed", Some(WatchedQuantity::Speed), Some(4.0)),
+        limit("max_speed", None, Some(4.0)),
+        limit("nothing", Some(WatchedQuantity::Energy), Some(4.0)),
+    ];
+    described[1].1.tells_places = true;
+    let planned = |sets: &[(&str, &str)]| {
+        let plan = make(&spec(sets), &described, &Options::default()).unwrap();
+        let levels = plan.watches.iter().map(|watch| (watch.watched.from, watch.watched.limit));
+        let names = plan.watches.iter().map(PlannedWatch::name);
+        (names.zip(levels).collect::<Vec<_>>(), plan)
+    };
+    let speed = |from: f64, limit: f64| ("grains.max_speed".to_string(), (from, limit));
+    let (found, plan) = planned(&[]);
+    assert_eq!(found, [speed(1.0, 4.0)]);
+    assert_eq!(plan.components.iter().map(|c| c.values_of_places()).sum::<usize>(), 5);
+    assert_eq!(
+        plan.components[1].assignment(transport(), None).watched,
+        plan.components[1].watched
+    );
+    assert!(plan.to_string().contains("grains.max_speed"), "{plan}");
+    assert_eq!(planned(&[("watch.speed", "off")]).0, []);
+    let mass = ("fluid.mass".to_string(), (0.25, 0.5));
+    assert_eq!(planned(&[("watch.mass", "0.5")]).0, [mass, speed(1.0, 4.0)]);
+    let (found, plan) = planned(&[("watch.speed", "9"), ("watch.mach", "2")]);
+    assert_eq!(found, [speed(1.0, 9.0)]);
+    let unused = plan.notes.iter().any(|note| note.starts_with("watch.mach is not used"));
+    assert!(unused, "{:?}", plan.notes);
 }
 
 #[test]

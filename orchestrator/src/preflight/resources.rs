@@ -46,8 +46,9 @@ pub(super) fn findings(
     let keep = u64::from(spec.run.checkpoints.keep);
     let state =
         if keep > 0 && plan.can_be_kept(descriptions) { states(plan, descriptions) } else { 0 };
-    // One more while the newest is written.
-    let kept = if state > 0 { (keep + 1).saturating_mul(state) } else { 0 };
+    // One more while the newest is written, and one that a watchdog asks for.
+    let more = if plan.watches.is_empty() { 1 } else { 2 };
+    let kept = if state > 0 { (keep + more).saturating_mul(state) } else { 0 };
     let at_checkpoint =
         (state > 0).then(|| within("memory at a checkpoint", need + state, machine.available));
     let mut all = vec![

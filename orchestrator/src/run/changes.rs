@@ -14,6 +14,7 @@ const MAY_CHANGE: &[&str] = &[
     "run.checkpoints",
     "outputs",
     "stop_when",
+    "watch",
     "components.*.threads",
     "scene.gravity",
     "scene.fluid.viscosity",

@@ -28,6 +28,7 @@ impl Prepared {
             machine: machine(),
             window: 0,
             time: 0.0,
+            made_for: None,
             clock: self.plan.clock,
             programs: std::path::absolute(programs).unwrap_or_else(|_| programs.to_path_buf()),
             components: components.collect(),

@@ -14,6 +14,7 @@ use crate::run::launch::{ComponentEvent, Peer, PeerEvent, end_all};
 use crate::run::monitor::{Monitor, WatchedComponent};
 use crate::run::run_loop::{Change, CheckpointKeeping, LoopOutcome, RunLoop, Steering};
 use crate::run::stop_conditions::StopConditions;
+use crate::run::watchdogs::Watchdogs;
 use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::steering::SteeringSocket;
 use crate::terminal::Terminal;
@@ -143,6 +144,7 @@ impl Prepared {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         let planned = execution.changes.iter().filter(|it| it.window > first).cloned().collect();
         let steering = Steering::new(socket, self.run, file, execution.pause_at, planned);
+        let watchdogs = self.watchdogs(&names);
         let monitor = self.monitor(&physics, from.is_some().then_some(first));
         let drive = RunLoop {
             control,
@@ -160,6 +162,7 @@ impl Prepared {
             report_depth: REPORT_DEPTH,
             deadline: spec.run.deadline,
             stop: StopConditions::new(&spec.stop_when, &names),
+            watchdogs,
             table,
             log,
             trace,
@@ -207,7 +210,8 @@ impl Prepared {
         let deadline = manifest.spec.run.deadline;
         let assignments =
             self.assignments(&root, &prefix, execution.in_process, deadline, poll, from);
-        let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
+        let values = self.plan.components.iter().map(|c| c.signals + c.values_of_places());
+        let signals: Vec<_> = values.collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
         if let Err(error) = self.assign(&assignments, manifest, interrupts, from) {
@@ -271,8 +275,16 @@ impl Prepared {
             name: self.peers[index].name.clone(),
             substeps: self.plan.components[index].substeps,
             signals: self.descriptions[index].signals.len(),
+            places: self.plan.components[index].values_of_places(),
         });
         Monitor::new(self.run, self.plan.clock, watched.collect(), done, Instant::now())
+    }
+
+    /// Watchdogs of the physics, whose signals have these full names.
+    fn watchdogs(&self, names: &[(String, Signal)]) -> Watchdogs {
+        let physics = self.plan.components.iter().filter(|c| c.role != Role::Observer);
+        let places: Vec<_> = physics.map(|c| (c.name.clone(), c.values_of_places())).collect();
+        Watchdogs::new(&self.plan.watches, names, &places)
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.

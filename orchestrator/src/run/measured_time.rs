@@ -40,7 +40,7 @@ pub fn wall_time(
     let mut done = (0, 0.0);
     for time in TRIES {
         let (ending, count, seconds) = some_windows(&manifest, folder, time, interrupts)?;
-        if let Ending::Failed { fault } = ending {
+        if let Ending::Failed { fault, .. } = ending {
             let finding = Finding::new("windows before a fault", count as f64, "1");
             return Ok(JudgedFinding::of_whole(finding.wrong_if(
                 true,

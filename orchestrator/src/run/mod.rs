@@ -17,6 +17,7 @@ mod prepare;
 pub mod run_loop;
 mod startup_log;
 mod stop_conditions;
+mod watchdogs;
 
 pub use execute::{Ended, Origin, RunCall};
 pub use prepare::{Prepared, prepare};

@@ -16,12 +16,23 @@ pub struct WatchedComponent {
     pub substeps: u32,
     /// Number of its signals.
     pub signals: usize,
+    /// Number of values of places that follow them in its reports.
+    pub places: usize,
+}
+
+/// A row of signals, with the places of those that the run watches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WatchedRow {
+    /// The signals.
+    pub row: SignalRow,
+    /// Places of each component, one component after the other.
+    pub places: Vec<f64>,
 }
 
 /// A row that waits for the reports of some components.
 #[derive(Debug)]
 struct PendingRow {
-    row: SignalRow,
+    row: WatchedRow,
     missing: usize,
 }
 
@@ -50,8 +61,8 @@ pub struct Monitor {
     run: u64,
     clock: Clock,
     watched: Vec<WatchedComponent>,
-    /// Place of each component's first signal in a row.
-    offsets: Vec<usize>,
+    /// Index of each component's first signal in a row, and of its first value of a place.
+    offsets: Vec<[usize; 2]>,
     /// Next window that each component has to report.
     next: Vec<u64>,
     totals: Vec<ComponentTotals>,
@@ -72,9 +83,9 @@ impl Monitor {
     ) -> Self {
         let offsets = watched
             .iter()
-            .scan(0, |place, component| {
-                let offset = *place;
-                *place += component.signals;
+            .scan([0; 2], |next, component| {
+                let offset = *next;
+                *next = [next[0] + component.signals, next[1] + component.places];
                 Some(offset)
             })
             .collect();
@@ -127,10 +138,16 @@ impl Monitor {
                 ),
             );
         }
-        if signals.len() != component.signals {
-            let text = format!("it reported {} signals of {}", signals.len(), component.signals);
+        let Some((signals, places)) = (signals.len() == component.signals + component.places)
+            .then(|| signals.split_at(component.signals))
+        else {
+            let WatchedComponent { signals: expected, places, .. } = component;
+            let text = format!(
+                "it reported {} values, expected {expected} signals and {places} values of places",
+                signals.len()
+            );
             return wrong(FaultKind::Count, text);
-        }
+        };
         let totals = &mut self.totals[index];
         totals.compute += report.compute;
         totals.wait += report.wait;
@@ -138,32 +155,44 @@ impl Monitor {
         totals.work += report.work;
         self.next[index] = window + 1;
         self.heard[index] = now;
-        self.enter(index, window, signals);
+        self.enter(index, window, signals, places);
         Ok(())
     }
 
-    fn enter(&mut self, index: usize, window: u64, signals: &[f64]) {
-        let width = self.watched.iter().map(|component| component.signals).sum();
-        let first = self.rows.front().map_or(window, |first| first.row.window);
+    fn enter(&mut self, index: usize, window: u64, signals: &[f64], places: &[f64]) {
+        let width = |of: fn(&WatchedComponent) -> usize| self.watched.iter().map(of).sum();
+        let (width, room) =
+            (width(|component| component.signals), width(|component| component.places));
+        let first = self.rows.front().map_or(window, |first| first.row.row.window);
         let place = (window - first) as usize;
         // A component may report windows ahead of the others: their rows stand open until all have.
         while self.rows.len() <= place {
             let window = first + self.rows.len() as u64;
-            let row = SignalRow { window, values: vec![f64::NAN; width] };
+            let row = WatchedRow {
+                row: SignalRow { window, values: vec![f64::NAN; width] },
+                places: vec![f64::NAN; room],
+            };
             self.rows.push_back(PendingRow { row, missing: self.watched.len() });
         }
         let pending = &mut self.rows[place];
-        let offset = self.offsets[index];
-        pending.row.values[offset..offset + signals.len()].copy_from_slice(signals);
+        let [at, place] = self.offsets[index];
+        pending.row.row.values[at..at + signals.len()].copy_from_slice(signals);
+        pending.row.places[place..place + places.len()].copy_from_slice(places);
         pending.missing -= 1;
     }
 
     /// The next window that all components have reported, once.
-    pub fn next_row(&mut self) -> Option<SignalRow> {
+    pub fn next_row(&mut self) -> Option<WatchedRow> {
         if self.rows.front()?.missing > 0 {
             return None;
         }
         self.rows.pop_front().map(|pending| pending.row)
+    }
+
+    /// Rows that some components have yet to report, in the order of their windows; what is missing
+    /// is NaN.
+    pub fn rows_under_way(&self) -> impl Iterator<Item = &WatchedRow> {
+        self.rows.iter().map(|pending| &pending.row)
     }
 
     /// Last window that all components completed; `None` before the start exchange is over.
@@ -279,6 +308,7 @@ mod tests {
             name: name.into(),
             substeps,
             signals,
+            places: if name == "grains" { 5 } else { 0 },
         };
         let clock = Clock { tick: 0.1, ticks_per_window: 3 };
         Monitor::new(
@@ -290,6 +320,11 @@ mod tests {
         )
     }
 
+    /// Two signals of the grains, and a place.
+    fn with_places([a, b]: [f64; 2]) -> [f64; 7] {
+        [a, b, 0.1, 0.2, 0.3, 7.0, f64::NAN]
+    }
+
     fn report(window: u64, substep: u32) -> Report {
         let stamp = Stamp { run: 7, window, ticks: 3 * window, events: 0, substep, iteration: 0 };
         Report { stamp, compute: 5, ..Report::default() }
@@ -298,24 +333,37 @@ mod tests {
     #[test]
     fn a_row_is_whole_when_all_have_reported() {
         let (mut m, now) = (monitor(), Instant::now());
-        m.report(1, &report(0, 0), &[1.0, 2.0], now).unwrap();
-        m.report(1, &report(1, 3), &[3.0, 4.0], now).unwrap();
+        m.report(1, &report(0, 0), &with_places([1.0, 2.0]), now).unwrap();
+        m.report(1, &report(1, 3), &with_places([3.0, 4.0]), now).unwrap();
         assert_eq!((m.common_window(), m.next_row()), (None, None));
         m.report(0, &report(0, 0), &[9.0], now).unwrap();
         assert_eq!(m.common_window(), Some(0));
-        assert_eq!(m.next_row().unwrap().values, [9.0, 1.0, 2.0]);
+        assert_eq!(m.next_row().unwrap().row.values, [9.0, 1.0, 2.0]);
         assert_eq!(m.next_row(), None);
         m.report(0, &report(1, 1), &[8.0], now).unwrap();
-        assert_eq!(m.next_row().unwrap().values, [8.0, 3.0, 4.0]);
+        assert_eq!(m.next_row().unwrap().row.values, [8.0, 3.0, 4.0]);
         assert_eq!(m.totals()[1].compute, 10);
+    }
+
+    #[test]
+    fn places_follow_the_signals_and_rows_under_way_are_seen() {
+        let (mut m, now) = (monitor(), Instant::now());
+        m.report(1, &report(0, 0), &with_places([1.0, 2.0]), now).unwrap();
+        let under_way = m.rows_under_way().next().unwrap().clone();
+        assert!(under_way.row.values[0].is_nan() && under_way.row.values[1..] == [1.0, 2.0]);
+        assert_eq!(under_way.places[..4], [0.1, 0.2, 0.3, 7.0]);
+        m.report(0, &report(0, 0), &[9.0], now).unwrap();
+        assert_eq!(m.next_row().unwrap().places[..4], under_way.places[..4]);
+        let fault = m.report(1, &report(1, 3), &[1.0, 2.0], now).unwrap_err();
+        assert!(fault.message.contains("2 values, expected 2 signals and 5 values"), "{fault}");
     }
 
     #[test]
     fn one_substep_too_many_or_too_few_is_a_fault_of_that_component() {
         for wrong in [2, 4] {
             let (mut m, now) = (monitor(), Instant::now());
-            m.report(1, &report(0, 0), &[0.0; 2], now).unwrap();
-            let fault = m.report(1, &report(1, wrong), &[0.0; 2], now).unwrap_err();
+            m.report(1, &report(0, 0), &with_places([0.0; 2]), now).unwrap();
+            let fault = m.report(1, &report(1, wrong), &with_places([0.0; 2]), now).unwrap_err();
             assert_eq!((fault.kind, fault.blamed.as_str()), (FaultKind::Substeps, "grains"));
             assert!(fault.message.contains(&format!("made {wrong}")), "{fault}");
             assert!(fault.message.contains("has 3"), "{fault}");
@@ -335,7 +383,13 @@ mod tests {
     fn a_lost_message_is_blamed_on_its_sender() {
         let (mut m, now) = (monitor(), Instant::now());
         for window in 0..=4 {
-            m.report(1, &report(window, if window == 0 { 0 } else { 3 }), &[0.0; 2], now).unwrap();
+            m.report(
+                1,
+                &report(window, if window == 0 { 0 } else { 3 }),
+                &with_places([0.0; 2]),
+                now,
+            )
+            .unwrap();
         }
         let wait = |from: &str, owed, since, looked, window| Waiting {
             from: from.into(),
@@ -362,7 +416,8 @@ mod tests {
     fn inside_a_window_the_one_that_waits_for_a_later_message_has_lost_an_earlier() {
         let (mut m, now) = (monitor(), Instant::now());
         for index in 0..2 {
-            m.report(index, &report(0, 0), &[0.0, 0.0][..=index], now).unwrap();
+            let values = if index == 0 { vec![0.0] } else { with_places([0.0; 2]).to_vec() };
+            m.report(index, &report(0, 0), &values, now).unwrap();
         }
         let wait = |from: &str, turn| Waiting {
             from: from.into(),
@@ -389,7 +444,7 @@ mod tests {
         m.report(0, &report(0, 0), &[0.0], later).unwrap();
         let fault = m.silent(later, 0, Duration::from_secs(1)).unwrap();
         assert_eq!((fault.blamed.as_str(), fault.window), ("grains", 0));
-        m.report(1, &report(0, 0), &[0.0; 2], later).unwrap();
+        m.report(1, &report(0, 0), &with_places([0.0; 2]), later).unwrap();
         assert_eq!(m.silent(later + Duration::from_secs(9), 0, Duration::from_secs(1)), None);
     }
 }

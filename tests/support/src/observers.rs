@@ -31,6 +31,7 @@ pub fn setup(component: &str, scene: Scene, clock: Clock, windows: u64, output: 
             body_capacity: 0,
             edges: Vec::new(),
             script: Default::default(),
+            watched: Vec::new(),
             frames: Vec::new(),
             transport: Transport {
                 between_processes: false,

@@ -69,7 +69,8 @@ pub struct Parameters {
     /// feed the sound across gaps as narrow as a few of them.
     #[serde(default)]
     pub velocity_lead: f64,
-    /// Largest Mach number: of the scene's expected speed at the start, of the flow while running.
+    /// Largest Mach number: of the scene's expected speed at the start, and of the flow while running
+    /// unless the manifest's `watch.mach` says otherwise.
     #[serde(default = "defaults::mach_limit")]
     pub mach_limit: f64,
 }

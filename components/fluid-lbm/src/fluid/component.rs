@@ -5,6 +5,7 @@ use crate::domain::parameters::Parameters;
 use crate::fluid::lbm_fluid::LbmFluid;
 use crate::fluid::signals::{FluidState, OF_FLUID, signals};
 use crate::report::findings::{findings, limits};
+use crate::solver::diagnostics::Extreme;
 use std::collections::BTreeMap;
 use tremie_fluid_kit::observed::cut::Cut;
 use tremie_fluid_kit::observed::observed_cells::ObservedCells;
@@ -17,7 +18,7 @@ use tremie_sdk::messages::scene::DeformableSurface;
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{
-    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
+    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex,
 };
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
@@ -112,7 +113,7 @@ impl Fluid for LbmComponent {
             work_per_step: resolution.fluid_cells as f64,
             notes,
             findings: findings(&parameters, scene, &resolution),
-            limits: limits(),
+            limits: limits(&parameters, &resolution),
             memory: resolution.memory_bytes,
             warnings: resolution.warnings,
             resolution: numbers,
@@ -128,6 +129,8 @@ impl Fluid for LbmComponent {
         let threads = setup.hello.threads.max(1) as usize;
         let mut fluid = LbmFluid::new(scene, &parameters, step, threads)?;
         fluid.choose_threads();
+        // The run watches it: `max_mach`.
+        fluid.allow_any_speed();
         let facets = scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
         let cells = fluid.diagnostics().fluid_cells as u64;
         let cell = parameters.cell.0;
@@ -225,6 +228,15 @@ impl Fluid for LbmComponent {
 
     fn row_kept(&mut self) {
         self.fluid.restart_means();
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        let extreme = match signal {
+            "max_mach" => Extreme::Speed,
+            "max_density_deviation" => Extreme::DensityDeviation,
+            _ => return None,
+        };
+        self.fluid.place_of(extreme).map(Place::at)
     }
 
     fn work(&self) -> u64 {

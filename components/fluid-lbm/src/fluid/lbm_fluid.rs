@@ -9,7 +9,7 @@ use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Real;
 use crate::report::resolution::Resolution;
-use crate::solver::diagnostics::{Diagnostics, SliceNode};
+use crate::solver::diagnostics::{Diagnostics, Extreme, SliceNode};
 use crate::solver::lbm_solver::LbmSolver;
 use std::borrow::Cow;
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
@@ -263,6 +263,17 @@ impl LbmFluid {
     /// Diagnostics of the flow. They cost nothing, because the collision measures them in passing.
     pub fn diagnostics(&self) -> Diagnostics {
         solver!(&self.solver, s => s.diagnostics())
+    }
+
+    /// Lets the fluid be as fast as it becomes: what runs it watches its Mach number.
+    pub fn allow_any_speed(&mut self) {
+        solver!(&mut self.solver, s => s.mach_limit = f64::INFINITY);
+    }
+
+    /// Centre of the cell in which a quantity is greatest now [m]. Looks at all cells.
+    pub fn place_of(&self, extreme: Extreme) -> Option<[f64; 3]> {
+        let place = solver!(&self.solver, s => s.place_of(extreme));
+        place.map(|place| self.axes.to_world(&place))
     }
 
     /// Check that the fluid is finite and slower than the Mach limit. Costs nothing while it is.

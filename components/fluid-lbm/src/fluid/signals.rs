@@ -35,7 +35,7 @@ const WALL_IMPULSE: &str = "given to the fluid by the domain's walls in the last
 const BODY_IMPULSE: &str = "given to the fluid by bodies in the last step";
 
 /// Signals of the whole fluid.
-pub const OF_FLUID: [SignalRow<FluidState>; 25] = [
+pub const OF_FLUID: [SignalRow<FluidState>; 26] = [
     ("max_speed", "m/s", "largest speed of the fluid", |s| s.diagnostics.max_speed),
     ("max_mach", "1", "largest Mach number of the lattice", |s| s.diagnostics.max_mach),
     (
@@ -49,6 +49,12 @@ pub const OF_FLUID: [SignalRow<FluidState>; 25] = [
         "Pa",
         "highest gauge pressure without its hydrostatic part, 0 if all are below",
         |s| s.diagnostics.max_density_deviation * s.stiffness,
+    ),
+    (
+        "max_density_deviation",
+        "1",
+        "largest size of the relative deviation of the density, without its hydrostatic part",
+        |s| s.diagnostics.density_deviation(),
     ),
     ("links", "1", "lattice links from the fluid into bodies", |s| s.diagnostics.links as f64),
     (

@@ -11,7 +11,7 @@ use tremie_fluid_kit::checks::grain_space_check::{DryRegion, Throat};
 use tremie_fluid_kit::checks::mended_part::MendedPart;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, FluidMaterial, Motion, PartBoundary, Scene};
-use tremie_messages::{Finding, Limit};
+use tremie_messages::{Finding, Limit, WatchedQuantity};
 
 /// Relaxation time below which rounding and waves are damped too little to be safe.
 const LOW_TAU: f64 = 0.505;
@@ -52,20 +52,63 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
 /// Part of the fluid's mass that links may lose or make before it shows in pressures and rates of
 /// flow.
 const LOST: f64 = 1e-3;
+/// Part of it with which the fluid is another one.
+const MUCH_LOST: f64 = 0.1;
+/// Relative deviations of the density above which a liquid is compressed as a gas would be, and above
+/// which the equilibrium of the lattice means nothing.
+const COMPRESSED: [f64; 2] = [0.1, 0.5];
 
-/// Limits by which signals are judged once the run is over.
-pub fn limits() -> Vec<Limit> {
-    vec![Limit {
+/// Limits by which signals are judged, and by which a run watches them.
+pub fn limits(parameters: &Parameters, resolution: &Resolution) -> Vec<Limit> {
+    let step = format!("(now {} s)", short(resolution.time_step));
+    let [doubtful, wrong] = COMPRESSED;
+    let mach = Limit {
+        signal: "max_mach".into(),
+        quantity: "largest Mach number of the lattice".into(),
+        unit: "1".into(),
+        doubtful: LOW_MACH,
+        wrong: Some(parameters.mach_limit),
+        why: format!(
+            "above {LOW_MACH} the lattice's compressibility is more than a per cent of the flow, and somewhat higher its \
+             flow is no longer that of a liquid"
+        ),
+        remedy: format!(
+            "a shorter time step {step}, with which the number falls in proportion; or a larger expected_speed of the \
+             scene's fluid, where that sets the step"
+        ),
+        watch: Some(WatchedQuantity::Mach),
+    };
+    let density = Limit {
+        signal: "max_density_deviation".into(),
+        quantity: "largest relative deviation of the density".into(),
+        unit: "1".into(),
+        doubtful,
+        wrong: Some(wrong),
+        why: format!(
+            "above {doubtful} the fluid is compressed as a gas would be: its pressures are large beside rho c_s^2"
+        ),
+        remedy: format!(
+            "a shorter time step {step}, with which the number falls by its square; or a larger relaxation time, where \
+             waves and noise made it"
+        ),
+        watch: Some(WatchedQuantity::Density),
+    };
+    vec![mach, density, mass()]
+}
+
+fn mass() -> Limit {
+    Limit {
         signal: "mass_lost_share".into(),
         quantity: "mass that walls and bodies took or made over the fluid's".into(),
         unit: "1".into(),
         doubtful: LOST,
-        wrong: None,
+        wrong: Some(MUCH_LOST),
         why: "walls and bodies pay back what they take over some 500 steps, but with refill = \"eqneq\" moving bodies never do; \
               meanwhile pressures in a closed box are off by that"
             .into(),
         remedy: "refill = \"mass\", which is the default; or a finer cell, in which bodies cross fewer cells in a step".into(),
-    }]
+        watch: Some(WatchedQuantity::Mass),
+    }
 }
 
 struct Lattice<'a> {

@@ -57,7 +57,21 @@ pub struct SliceNode {
     pub solid: bool,
 }
 
+/// A quantity of cells whose greatest value has a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extreme {
+    /// Speed, and with it the Mach number.
+    Speed,
+    /// Size of the relative deviation of the density, without its hydrostatic part.
+    DensityDeviation,
+}
+
 impl Diagnostics {
+    /// Largest size of the relative deviation of the density.
+    pub fn density_deviation(&self) -> f64 {
+        self.max_density_deviation.max(-self.min_density_deviation)
+    }
+
     /// Of the fluid at the end of a step.
     pub fn of<T: Real>(
         lattice: &LatticeState<T>,
@@ -140,6 +154,25 @@ impl<T: Real> LatticeState<T> {
             limit: mach_limit,
             remedy: self.units.time_step * mach_limit / mach,
         })
+    }
+
+    /// Centre of the fluid cell in which a quantity is greatest now [m].
+    pub fn place_of(&self, extreme: Extreme) -> Option<[f64; 3]> {
+        let mut most: Option<(f64, u32)> = None;
+        for cell in (0..self.layout.cells.len() as u32).filter(|&c| self.flags.is_fluid(c)) {
+            let content = self.before().content(cell);
+            let value = match extreme {
+                Extreme::Speed => {
+                    let u = content.velocity(self.relaxation.acceleration);
+                    dot(u, u)
+                }
+                Extreme::DensityDeviation => content.drho.abs(),
+            };
+            if most.is_none_or(|(most, _)| value > most) {
+                most = Some((value, cell));
+            }
+        }
+        most.map(|(_, cell)| self.units.centre(self.layout.at(cell)))
     }
 
     /// Values of a cell, SI units.

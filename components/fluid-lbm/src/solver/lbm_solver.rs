@@ -13,7 +13,7 @@ use crate::lattice::units::Units;
 use crate::solver::budget::Budget;
 use crate::solver::collide_and_stream::CollideAndStream;
 use crate::solver::deformable_surfaces::AwaitedSurfaces;
-use crate::solver::diagnostics::Diagnostics;
+use crate::solver::diagnostics::{Diagnostics, Extreme};
 use crate::solver::displaced_fluid::return_displaced;
 use crate::solver::execution::Execution;
 use crate::solver::facet_loads;
@@ -347,6 +347,11 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// See [`crate::LbmFluid::check`].
     pub fn check(&self) -> Result<(), FluidError> {
         self.lattice.check(&self.bodies.total, self.mach_limit)
+    }
+
+    /// See [`crate::LbmFluid::place_of`].
+    pub fn place_of(&self, extreme: Extreme) -> Option<[f64; 3]> {
+        self.lattice.place_of(extreme)
     }
 
     /// See [`crate::LbmFluid::surface_loads`].

@@ -1,7 +1,9 @@
 //! Mistakes of a user in parameters, and the messages on them.
 
 use crate::common::*;
-use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, Parameters, Precision, findings};
+use tremie_fluid_lbm::{
+    Collision, Extreme, FluidError, LbmFluid, Parameters, Precision, findings,
+};
 use tremie_messages::scene::{BodySet, Geometry, Motion, Placement, Plane, Scene, Sphere};
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Problem, Verdict};
@@ -219,8 +221,21 @@ fn a_fluid_out_of_hand_is_found() {
         ([if x[0] == 2.5 && x[1] == 3.5 && x[2] == 4.5 { 0.2 } else { 0.0 }, 0.0, 0.0], 0.0)
     });
     assert!(matches!(fluid.check(), Err(FluidError::Mach { cell: [2, 3, 4], .. })));
+    assert_eq!(fluid.place_of(Extreme::Speed), Some([2.5, 3.5, 4.5]));
+    fluid.allow_any_speed();
+    assert!(fluid.check().is_ok(), "what runs it watches the Mach number");
     fluid.set_state(|x| ([if x[2] == 6.5 { f64::NAN } else { 0.0 }, 0.0, 0.0], 0.0));
     assert!(matches!(fluid.check(), Err(FluidError::NonFinite { cell: [0, 0, 6], .. })));
+    // A rarefied cell deviates more than a compressed one.
+    fluid.set_state(|x| {
+        let pressure = match x.map(|x| x as usize) {
+            [1, 2, 3] => 1e-3,
+            [5, 6, 7] => -2e-3,
+            _ => 0.0,
+        };
+        ([0.0; 3], pressure)
+    });
+    assert_eq!(fluid.place_of(Extreme::DensityDeviation), Some([5.5, 6.5, 7.5]));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use tremie_fluid_kit::window::part_loads::PartLoads;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid};
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, Problem};
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
@@ -188,6 +188,15 @@ impl Fluid for PicComponent {
 
     fn sampled(&mut self, values: &mut Vec<f64>) {
         fluid!(self, fluid => fluid.probes(values));
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        let fastest = match &self.fluid {
+            _ if signal != "courant" => None,
+            AnyFluid::Space(fluid) => fluid.place_of_fastest(),
+            AnyFluid::Plane(fluid) => fluid.place_of_fastest(),
+        };
+        fastest.map(Place::at)
     }
 
     fn work(&self) -> u64 {

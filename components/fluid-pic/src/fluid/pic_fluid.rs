@@ -379,6 +379,12 @@ impl<const D: usize> PicFluid<D> {
         }
     }
 
+    /// Position of the fastest particle [m].
+    pub fn place_of_fastest(&self) -> Option<[f64; 3]> {
+        let place = self.solver.place_of_fastest()?;
+        Some(self.section.to_world(place).into())
+    }
+
     /// Density of the fluid [kg/m³].
     pub fn density(&self) -> f64 {
         self.solver.density()

@@ -5,7 +5,7 @@ use crate::report::resolution::{Resolution, dimensions};
 use tremie_fluid_kit::checks::cell_findings::CellFindings;
 use tremie_messages::finding::short;
 use tremie_messages::scene::Scene;
-use tremie_messages::{Finding, Limit};
+use tremie_messages::{Finding, Limit, WatchedQuantity};
 
 /// Cells of depth below which the fluid is a film.
 const SHALLOW: f64 = 8.0;
@@ -81,6 +81,7 @@ pub fn limits() -> Vec<Limit> {
             wrong: Some(20.0),
             why: format!("above {FASTEST} particles skip cells in a step, and splash apart"),
             remedy: "a larger expected_speed, or a shorter time_step".into(),
+            watch: Some(WatchedQuantity::Speed),
         },
         Limit {
             signal: "volume_drift".into(),
@@ -91,6 +92,7 @@ pub fn limits() -> Vec<Limit> {
             why: "the fluid is incompressible: what its volume changes by is the method's error"
                 .into(),
             remedy: "a shorter time step, a larger relaxation, or smaller cells".into(),
+            watch: Some(WatchedQuantity::Mass),
         },
     ]
 }

@@ -136,6 +136,20 @@ impl<const D: usize> PicSolver<D> {
         (0..self.particles.len()).map(of).fold(0.0, f64::max).sqrt()
     }
 
+    /// Position of the fastest particle, the first of several [m].
+    pub fn place_of_fastest(&self) -> Option<[f64; D]> {
+        let particles = &self.particles;
+        let square = |k: usize| (0..D).map(|a| particles.velocity[a][k].powi(2)).sum::<f64>();
+        let mut most: Option<(f64, usize)> = None;
+        for k in 0..particles.len() {
+            let square = square(k);
+            if most.is_none_or(|(most, _)| square > most) {
+                most = Some((square, k));
+            }
+        }
+        most.map(|(_, k)| std::array::from_fn(|a| particles.position[a][k]))
+    }
+
     /// Gauge pressure in a cell after a step of `dt` [Pa].
     pub fn pressure(&self, cell: [isize; D], dt: f64) -> f64 {
         self.q[self.grid.place(cell)] * self.settings.density * self.grid.spacing / dt

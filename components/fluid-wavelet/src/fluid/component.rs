@@ -4,6 +4,7 @@ use crate::domain::parameters::Parameters;
 use crate::fluid::gas_fluid::GasFluid;
 use crate::fluid::signals::{OF_GAS, OF_PARTS, OF_WALLS, signals};
 use crate::report::findings::{findings, limits};
+use crate::solver::gas_sums::GasExtreme;
 use std::collections::BTreeMap;
 use tremie_fluid_kit::observed::cut::Cut;
 use tremie_fluid_kit::observed::observed_cells::ObservedCells;
@@ -13,7 +14,7 @@ use tremie_fluid_kit::window::part_loads::PartLoads;
 use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid, VolumeSpec};
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, Problem};
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
 
@@ -110,7 +111,7 @@ impl Fluid for GasComponent {
             work_per_step: resolution.first_points,
             notes,
             findings: findings(&parameters, scene, &resolution),
-            limits: limits(),
+            limits: limits(scene),
             memory: resolution.memory_bytes,
             resolution: numbers,
             state: Some(GasFluid::STATE_VERSION),
@@ -179,6 +180,15 @@ impl Fluid for GasComponent {
 
     fn sampled(&mut self, values: &mut Vec<f64>) {
         self.fluid.probes(values);
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        let extreme = match signal {
+            "max_mach" => GasExtreme::Mach,
+            "density_deviation" => GasExtreme::DensityDeviation,
+            _ => return None,
+        };
+        self.fluid.extreme_place(extreme).map(Place::at)
     }
 
     fn work(&self) -> u64 {

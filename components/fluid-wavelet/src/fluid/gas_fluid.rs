@@ -12,7 +12,7 @@ use crate::fluid::gas_probes::GasProbes;
 use crate::fluid::scene_bodies::{SceneBodies, SceneBody};
 use crate::fluid::scene_faces::SceneFaces;
 use crate::gas::gas_law::GasState;
-use crate::solver::gas_sums::GasSums;
+use crate::solver::gas_sums::{GasExtreme, GasSums};
 use crate::solver::observed_point::ObservedPoint;
 use crate::solver::part_times::PartTimes;
 use crate::solver::wavelet_solver::{TwoLoads, WaveletSettings, WaveletSolver};
@@ -308,6 +308,12 @@ impl GasFluid {
             energy_field: 1 + self.axes.dims,
             blocks: self.solver.tree.blocks.len(),
         }
+    }
+
+    /// Place at which a quantity is greatest now [m]. Looks at all points.
+    pub fn extreme_place(&self, extreme: GasExtreme) -> Option<[f64; 3]> {
+        let place = self.solver.place_of(&self.bodies, &self.first, extreme)?;
+        Some(self.axes.to_world(place))
     }
 
     /// Appends the values of the scene's probes.

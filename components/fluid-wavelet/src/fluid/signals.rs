@@ -22,11 +22,17 @@ impl GasFluidState {
 }
 
 /// Signals of the whole gas.
-pub const OF_GAS: [SignalRow<GasFluidState>; 25] = [
+pub const OF_GAS: [SignalRow<GasFluidState>; 26] = [
     ("max_speed", "m/s", "largest speed of the gas", |s| s.sums.max_speed),
     ("max_mach", "1", "largest Mach number of the gas", |s| s.sums.max_mach),
     ("least_density", "kg/m³", "least density of the gas", |s| s.sums.density[0]),
     ("greatest_density", "kg/m³", "greatest density of the gas", |s| s.sums.density[1]),
+    (
+        "density_deviation",
+        "1",
+        "how far densities have left the range that they had at the start: the greatest over that then, or the least then over the least, less 1",
+        |s| s.sums.density_deviation(&s.first),
+    ),
     ("least_pressure", "Pa", "least absolute pressure", |s| s.sums.pressure[0]),
     ("greatest_pressure", "Pa", "greatest absolute pressure", |s| s.sums.pressure[1]),
     ("mass", "kg", "mass of the gas", |s| s.depth * s.sums.fields[0]),

@@ -21,6 +21,15 @@ pub struct GasSums {
     pub pressure: [f64; 2],
 }
 
+/// A quantity of the gas whose greatest value has a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GasExtreme {
+    /// Mach number.
+    Mach,
+    /// How far the density has left its range at the start.
+    DensityDeviation,
+}
+
 /// Weights of the points of a block along an axis in an integral over it, from the point below its
 /// first to the second beyond its last: of fourth order, between any blocks.
 fn weights(shape: &BlockShape, axis: usize) -> Vec<f64> {
@@ -39,11 +48,7 @@ impl WaveletSolver {
         let (shape, places) = (self.shape(), self.places());
         let (gas, dims, count) = (&self.settings.gas, shape.dims, self.values.fields);
         let weights = [0, 1, 2].map(|a| weights(&shape, a));
-        let mut sums = GasSums {
-            density: [f64::INFINITY, 0.0],
-            pressure: [f64::INFINITY, 0.0],
-            ..GasSums::default()
-        };
+        let mut sums = GasSums::of_nothing();
         for &leaf in &self.tree.leaves {
             let (slot, block) = (leaf as usize, self.tree.blocks[leaf as usize]);
             let spacing = places.spacing(block.level);
@@ -83,7 +88,62 @@ impl WaveletSolver {
     }
 }
 
+impl WaveletSolver {
+    /// Place at which a quantity is greatest now, the first of several, along the grid's axes [m];
+    /// ghosts are filled. `first`: the sums at the start.
+    pub fn place_of(
+        &self,
+        bodies: &[impl GasBody],
+        first: &GasSums,
+        extreme: GasExtreme,
+    ) -> Option<[f64; 3]> {
+        let (shape, places) = (self.shape(), self.places());
+        let (gas, dims, count) = (&self.settings.gas, shape.dims, self.values.fields);
+        let points = |axis: usize| if axis < dims { shape.edge[axis] + 3 } else { 1 };
+        let mut most: Option<(f64, [f64; 3])> = None;
+        for &leaf in &self.tree.leaves {
+            let (slot, block) = (leaf as usize, self.tree.blocks[leaf as usize]);
+            let (spacing, near) = (places.spacing(block.level), self.mask.near(slot));
+            for k in 0..points(0) * points(1) * points(2) {
+                let at = [k % points(0), k / points(0) % points(1), k / (points(0) * points(1))];
+                // From the ghost below the first point on, as sums do.
+                let at = std::array::from_fn(|a| at[a] + shape.ghosts[a].saturating_sub(1));
+                let position = places.padded_point(block, at);
+                if !near.is_empty() && share_of_gas(bodies, near, position, spacing) == 0.0 {
+                    continue;
+                }
+                let mut fields = [0.0; MOST_FIELDS];
+                for (field, value) in fields.iter_mut().enumerate().take(count) {
+                    *value =
+                        self.values.padded[(slot * count + field) * shape.stored + shape.place(at)];
+                }
+                let mut own = GasSums::of_nothing();
+                own.see(gas.state(dims, &fields), gas);
+                let value = match extreme {
+                    GasExtreme::Mach => own.max_mach,
+                    GasExtreme::DensityDeviation => own.density_deviation(first),
+                };
+                if most.is_none_or(|(most, _)| value > most) {
+                    most = Some((value, position));
+                }
+            }
+        }
+        most.map(|(_, position)| position)
+    }
+}
+
 impl GasSums {
+    fn of_nothing() -> Self {
+        Self { density: [f64::INFINITY, 0.0], pressure: [f64::INFINITY, 0.0], ..Self::default() }
+    }
+
+    /// How far densities have left the range that they had `first`: 0 within it.
+    pub fn density_deviation(&self, first: &Self) -> f64 {
+        let above = self.density[1] / first.density[1] - 1.0;
+        let below = first.density[0] / self.density[0] - 1.0;
+        above.max(below).max(0.0)
+    }
+
     fn see(&mut self, state: GasState, gas: &Gas) {
         let speed = state.velocity.iter().map(|u| u * u).sum::<f64>().sqrt();
         let mach = speed / gas.sound_speed(state.density, state.pressure);

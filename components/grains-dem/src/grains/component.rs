@@ -2,23 +2,29 @@
 
 use crate::grains::findings::{findings, limits};
 use crate::grains::followed::Follow;
-use crate::grains::signals::{BODIES, DRAG_BAND, FACE, INLET, OF_ALL, OUTLET, PART, SLIDER};
+use crate::grains::signals::{
+    BODIES, DRAG_BAND, FACE, INLET, MAX_OVERLAP, OF_ALL, OUTLET, PART, SLIDER,
+};
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
 use crate::setup::check_profiles;
 use crate::setup::resolution::Resolution;
 use crate::solver::dem_solver::GrainsDem;
+use crate::solver::diagnostics::Diagnostics;
 use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
 use tremie_grains_kit::signals::body_signals::{MOTION, PATH};
 use tremie_grains_kit::signals::shared_signals::{FEW, of_faces, of_followed, of_paths};
+use tremie_grains_kit::signals::soundness::{
+    EnergyAccount, OF_SOUNDNESS, Soundness, WAY, way_in_step,
+};
 use tremie_grains_kit::space::plane_walls;
 use tremie_sdk::messages::frame::{ProfileBin, ProfileHeader};
 use tremie_sdk::messages::scene::{GrainProfile, Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};
 use tremie_sdk::messages::start::{Description, ProfileSpec, Signal};
 use tremie_sdk::messages::{
-    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
+    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex,
 };
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsGrains, ControlPipe, Grains, Setup, SolverError};
@@ -35,6 +41,9 @@ pub struct SoftSpheres {
     follow: Follow,
     /// Axis and side of the faces of the domain that hold grains.
     faces: Vec<(usize, usize)>,
+    /// Length of a step [s].
+    step: f64,
+    energy: EnergyAccount,
 }
 
 impl Grains for SoftSpheres {
@@ -55,7 +64,7 @@ impl Grains for SoftSpheres {
             signals: signals(&setup.hello.scene, resolution.spheres),
             work: "grain steps".into(),
             work_per_step: resolution.spheres as f64,
-            limits: limits(),
+            limits: limits(&setup.hello.scene),
             memory: resolution.memory,
             notes: notes(&setup.hello.scene, &resolution),
             findings: findings(&setup.hello.scene, &parameters, &resolution),
@@ -83,7 +92,10 @@ impl Grains for SoftSpheres {
             vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { grains.body_count() } else { 0 }];
         let follow = Follow::new(scene, grains.events());
         let (carried, faces) = (Carried::new(&surfaces), plane_walls::faces(scene).collect());
-        Ok(Self { grains, tracked, few, carried, follow, faces })
+        let of_overlap = setup.assigned()?.watched.iter().find(|w| w.signal == MAX_OVERLAP);
+        grains.watch_overlaps(of_overlap.map_or(f64::INFINITY, |watched| watched.limit));
+        let energy = EnergyAccount::default();
+        Ok(Self { grains, tracked, few, carried, follow, faces, step, energy })
     }
 
     fn events(&self) -> &[BodyEvent] {
@@ -150,11 +162,14 @@ impl Grains for SoftSpheres {
     }
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        self.grains.exchange_state(state)
+        self.grains.exchange_state(state)?;
+        state.value("energy", &mut self.energy)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
-        push(OF_ALL, &self.grains.diagnostics(), values);
+        let all = self.grains.diagnostics();
+        push(OF_ALL, &all, values);
+        push(OF_SOUNDNESS, &self.soundness(&all), values);
         if !self.tracked.is_empty() {
             self.grains.write_state(&mut self.tracked);
         }
@@ -186,6 +201,14 @@ impl Grains for SoftSpheres {
         self.grains.restart_means();
     }
 
+    fn place(&self, signal: &str) -> Option<Place> {
+        match signal {
+            MAX_OVERLAP => self.grains.deepest_place(),
+            WAY => self.grains.fastest_place(),
+            _ => None,
+        }
+    }
+
     fn has_profile(&self, name: &str, is_last: bool) -> bool {
         self.grains.has_profile(name, is_last)
     }
@@ -204,6 +227,16 @@ pub fn run(line: ControlPipe) -> Result<(), String> {
 }
 
 impl SoftSpheres {
+    fn soundness(&mut self, all: &Diagnostics) -> Soundness {
+        let energy =
+            all.kinetic_energy + all.rotational_energy + all.potential_energy + all.elastic_energy;
+        let smallest = self.grains.radii().fold(f64::INFINITY, f64::min);
+        Soundness {
+            way: way_in_step(all.max_speed, self.step, smallest),
+            energy_gain: self.energy.gain(energy),
+        }
+    }
+
     /// Logs the number of threads of a substep, once it was found.
     fn tell_threads(&mut self) {
         if let Some(found) = self.grains.take_found() {
@@ -218,7 +251,7 @@ fn is_followed(scene: &Scene, spheres: usize) -> bool {
 }
 
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
-    let mut all: Vec<_> = describe(OF_ALL, "").collect();
+    let mut all: Vec<_> = describe(OF_ALL, "").chain(describe(OF_SOUNDNESS, "")).collect();
     if is_followed(scene, spheres) {
         all.extend(of_paths(spheres));
     }
@@ -356,6 +389,8 @@ mod tests {
             follow: Follow::new(&scene, grains.events()),
             faces: plane_walls::faces(&scene).collect(),
             grains,
+            step: 1e-5,
+            energy: EnergyAccount::default(),
         };
         spheres.advance(20_000, &[]).unwrap();
         let (names, mut values) = (signals(&scene, 1), Vec::new());
@@ -371,5 +406,12 @@ mod tests {
         assert!(meaning.contains("face of the domain"), "{meaning}");
         assert_eq!(of("x_upper.wall_force_x").map(|(force, _)| force), Some(0.0));
         assert_eq!(of("y_lower.wall_force_y"), None);
+        let value = |name: &str| of(name).unwrap().0;
+        let way = value("max_speed") * 1e-5 / 1e-3;
+        assert_eq!((value("way_in_step"), value("energy_gain")), (way, 0.0));
+        let deepest = spheres.place("max_overlap_ratio").unwrap();
+        assert_eq!((deepest.bodies, spheres.place("mean_x")), ([Some(0), None], None));
+        let [.., z] = deepest.position.unwrap();
+        assert!((z - 1e-3 + value("max_overlap_ratio") * 1e-3).abs() < 1e-12, "{deepest:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! Numbers of the contacts, judged before the run.
 
+use crate::grains::signals::MAX_OVERLAP;
 use crate::math::parameters::{Lubrication, Parameters};
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
 use crate::setup::check_clumps::ClumpOverlap;
@@ -7,9 +8,10 @@ use crate::setup::resolution::Resolution;
 use crate::setup::slider_times::SliderTimes;
 use crate::setup::softness::SMALL;
 use crate::solver::ports::Room;
+use tremie_grains_kit::signals::soundness::{limit_of_energy, limit_of_way};
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
-use tremie_messages::{Finding, Limit};
+use tremie_messages::{Finding, Limit, WatchedQuantity};
 
 /// Steps in a collision from which flows are accurate to a few per cent.
 const ACCURATE_STEPS: f64 = 15.0;
@@ -109,21 +111,37 @@ fn room_for_spheres(scene: &Scene, parameters: &Parameters, room: Room) -> Findi
     )
 }
 
+/// Overlap over the smaller radius beyond which bodies are about to pass through each other.
+const TOO_DEEP: f64 = 0.5;
+/// Ways in a step over the smallest radius, doubtful and wrong.
+const WAYS: [f64; 2] = [0.1, 1.0];
+
 /// Limits that signals must keep.
-pub fn limits() -> Vec<Limit> {
-    vec![Limit {
-        signal: "max_overlap_ratio".into(),
+pub fn limits(scene: &Scene) -> Vec<Limit> {
+    let shorter = "a shorter time_step in settings.grains-dem";
+    let mut all = vec![overlap(), limit_of_way(WAYS, format!("{shorter}, or lower speeds"))];
+    all.extend(limit_of_energy(
+        scene,
+        format!("{shorter}; the integrator \"verlet\", if it is another"),
+    ));
+    all
+}
+
+fn overlap() -> Limit {
+    Limit {
+        signal: MAX_OVERLAP.into(),
         quantity: "greatest overlap over the smaller radius".into(),
         unit: "1".into(),
         doubtful: SMALL,
-        wrong: None,
+        wrong: Some(TOO_DEEP),
         why: format!(
             "beyond {SMALL} an overlap is not small: grains take less room than they have, and the contact law means little"
         ),
         remedy: "a larger normal_stiffness (an impact sinks in by its inverse root, a load by its inverse), with a shorter \
                  time step; or lower speeds and lighter loads"
             .into(),
-    }]
+        watch: Some(WatchedQuantity::Overlap),
+    }
 }
 
 /// Depth of a corner over the radius of the sphere inside beyond which a hit is no small overlap.

@@ -16,6 +16,9 @@ const FORCE: &str = "force of the grains on the part, fixed or moving: contacts 
 const WALL: &str = "force of the grains on this face of the domain at the end of the window: contacts and lubrication; no fluid";
 const REMOVED: &str = "momentum that its drag took from the grains since the start";
 
+/// Name of the signal with the deepest overlap.
+pub(crate) const MAX_OVERLAP: &str = "max_overlap_ratio";
+
 /// Signals of all bodies together.
 pub(crate) const OF_ALL: &[SignalRow<Diagnostics>] = &[
     ("max_speed", "m/s", "largest speed of a free body or a slider", |d| d.max_speed),
@@ -43,7 +46,7 @@ pub(crate) const OF_ALL: &[SignalRow<Diagnostics>] = &[
         |d| d.contacts as f64,
     ),
     (
-        "max_overlap_ratio",
+        MAX_OVERLAP,
         "1",
         "largest overlap since the start over the smaller radius of its pair",
         |d| d.max_overlap_ratio,

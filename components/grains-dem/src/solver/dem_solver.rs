@@ -15,7 +15,7 @@ use crate::contact::material_laws::longest_neck;
 use crate::forces::pair_forces;
 use crate::math::error::GrainsError;
 use crate::math::parameters::{Integrator, Parameters};
-use crate::math::tally::Tally;
+use crate::math::tally::{Deepest, Other, Tally};
 use crate::neighbours::displacement::MaxDisplacement;
 use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::Clumps;
@@ -32,6 +32,7 @@ use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
 use crate::walls::wall_forces;
 use tremie_grains_kit::neighbours::size_classes::Skins;
 use tremie_messages::{
+    Place,
     body::{BodyEvent, BodyState, Load},
     frame::{ProfileBin, ProfileHeader},
     scene::{Domain, Scene},
@@ -98,6 +99,11 @@ pub(crate) struct StepRecord {
     /// Sum of the tallies of the last evaluation.
     pub(super) tally: Tally,
     pub(super) max_overlap_ratio: f64,
+    /// Bodies that had it, and where.
+    pub(super) deepest_place: Option<Place>,
+    /// Largest that a window goes on with, where the run watches overlaps; else the default, which
+    /// is a fault.
+    pub(super) watched_overlap: Option<f64>,
     pub(super) deep_overlaps: u64,
 }
 
@@ -172,6 +178,8 @@ impl GrainsDem {
             crossed: false,
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
+            deepest_place: None,
+            watched_overlap: None,
             deep_overlaps: 0,
         };
         let load_sums = Vec::with_capacity(bodies_of_run.div_ceil(BLOCK));
@@ -321,8 +329,44 @@ impl GrainsDem {
         for _ in 0..substeps {
             self.begin_substep()?;
             self.finish_substep(&[])?;
+            if self.is_too_deep() {
+                // The run ends with this window: what would follow means nothing.
+                break;
+            }
         }
         self.end_window()
+    }
+
+    /// Takes part in a run that watches overlaps: one deeper than `limit`, over the smaller radius,
+    /// is no fault of the grains, and ends the substeps of its window.
+    pub fn watch_overlaps(&mut self, limit: f64) {
+        self.record.watched_overlap = Some(limit);
+    }
+
+    fn is_too_deep(&self) -> bool {
+        self.record.watched_overlap.is_some_and(|limit| self.record.max_overlap_ratio > limit)
+    }
+
+    /// Bodies with the largest overlap since the start, or since the run went on, and where it was.
+    pub fn deepest_place(&self) -> Option<Place> {
+        self.record.deepest_place
+    }
+
+    /// The fastest free body.
+    pub fn fastest_place(&self) -> Option<Place> {
+        let bodies = &self.population.bodies;
+        let square = |slot: &u32| match bodies.mobility[*slot as usize].is_free() {
+            true => bodies.twists[*slot as usize].v.norm_squared(),
+            false => -1.0,
+        };
+        // By rank, the order of ids: the first of several.
+        let fastest = bodies
+            .slot
+            .iter()
+            .copied()
+            .reduce(|best, slot| if square(&slot) > square(&best) { slot } else { best })?;
+        let position = bodies.balls[fastest as usize].x.into();
+        (square(&fastest) >= 0.0).then(|| Place::of_body(bodies.id_at(fastest as usize), position))
     }
 
     /// Energies, momentum, contacts.
@@ -534,9 +578,28 @@ impl GrainsDem {
         self.population.clumps.evaluate(&self.population.bodies, forces);
         self.record.tally = Tally::sum(&[Tally::sum(&self.record.tallies), on_surfaces, on_solids]);
         self.record.deep_overlaps += self.record.tally.deep;
-        self.record.max_overlap_ratio =
-            self.record.max_overlap_ratio.max(self.record.tally.deepest.ratio);
+        let deepest = self.record.tally.deepest;
+        if deepest.ratio > self.record.max_overlap_ratio {
+            self.record.max_overlap_ratio = deepest.ratio;
+            self.record.deepest_place = Some(self.place_of(deepest));
+        }
         Ok(())
+    }
+
+    /// The place of a contact: the body of the smaller id.
+    fn place_of(&self, deepest: Deepest) -> Place {
+        let bodies = &self.population.bodies;
+        let id = |slot: u32| (bodies.id_at(slot as usize), slot);
+        let (one, other) = (
+            id(deepest.body),
+            match deepest.other {
+                Other::Body(other) => Some(id(other)),
+                Other::Wall(_) | Other::Part(_) | Other::Surface(_) => None,
+            },
+        );
+        let first = other.map_or(one, |other| one.min(other));
+        let second = other.map(|other| one.max(other).0);
+        Place::of_body(first.0, bodies.balls[first.1 as usize].x.into()).with(second)
     }
 
     /// Gives the sliders the forces of this evaluation.
@@ -563,7 +626,7 @@ impl GrainsDem {
 
     pub(crate) fn check_overlap(&self) -> Result<(), GrainsError> {
         let deepest = self.record.tally.deepest;
-        if deepest.ratio <= TOO_DEEP {
+        if deepest.ratio <= TOO_DEEP || self.record.watched_overlap.is_some() {
             return Ok(());
         }
         let id = |slot: u32| self.population.bodies.id_at(slot as usize);

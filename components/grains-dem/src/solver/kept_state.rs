@@ -4,7 +4,7 @@ use crate::solver::dem_solver::{GrainsDem, StepRecord};
 use tremie_state::{KeepsState, StateError, StateExchange};
 
 impl KeepsState for GrainsDem {
-    const STATE_VERSION: u32 = 1;
+    const STATE_VERSION: u32 = 2;
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         self.exchange_bodies(state)?;

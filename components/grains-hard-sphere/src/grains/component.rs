@@ -9,11 +9,14 @@ use std::collections::BTreeMap;
 use tremie_grains_kit::signals::body_signals::{FLUID, MOTION, PATH};
 use tremie_grains_kit::signals::followed::{self, Followed};
 use tremie_grains_kit::signals::shared_signals::{FEW, of_faces, of_followed, of_paths};
+use tremie_grains_kit::signals::soundness::{
+    EnergyAccount, OF_SOUNDNESS, Soundness, WAY, way_in_step,
+};
 use tremie_grains_kit::space::plane_walls;
 use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::signal_row::{describe, push};
 use tremie_sdk::messages::start::{Description, Signal};
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, Problem};
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsGrains, ControlPipe, Grains, Setup, SolverError};
 
@@ -29,6 +32,10 @@ pub struct HardGrains {
     moves: Vec<bool>,
     /// Number of faces of the domain that hold grains.
     faces: usize,
+    /// Length of a step [s]; 0 where bodies go from event to event.
+    step: f64,
+    smallest: f64,
+    energy: EnergyAccount,
 }
 
 impl Grains for HardGrains {
@@ -45,7 +52,7 @@ impl Grains for HardGrains {
             signals: signals(scene, resolution.spheres),
             work: "grain steps".into(),
             work_per_step: resolution.spheres as f64,
-            limits: limits(),
+            limits: limits(scene, &resolution),
             memory: resolution.memory,
             notes: notes(&resolution),
             findings: findings(scene, &resolution),
@@ -71,6 +78,9 @@ impl Grains for HardGrains {
             has_fluid: scene.fluid.is_some(),
             moves: scene.parts.iter().map(|part| part.motion != Motion::Fixed).collect(),
             faces: plane_walls::faces(scene).count(),
+            step: if spheres.is_by_events() { 0.0 } else { step },
+            smallest: spheres.radii().fold(f64::INFINITY, f64::min),
+            energy: EnergyAccount::default(),
             spheres,
         })
     }
@@ -92,12 +102,24 @@ impl Grains for HardGrains {
     }
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        self.spheres.exchange_state(state)
+        self.spheres.exchange_state(state)?;
+        state.value("energy", &mut self.energy)
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        if signal == WAY { self.spheres.fastest_place() } else { None }
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
         let Self { spheres, few, followed, .. } = self;
-        push(OF_ALL, &spheres.diagnostics(), values);
+        let all = spheres.diagnostics();
+        push(OF_ALL, &all, values);
+        let energy = all.kinetic_energy + all.rotational_energy + all.potential_energy;
+        let soundness = Soundness {
+            way: way_in_step(all.max_speed, self.step, self.smallest),
+            energy_gain: self.energy.gain(energy),
+        };
+        push(OF_SOUNDNESS, &soundness, values);
         (0..*few).for_each(|id| push(PATH, &spheres.sphere(id), values));
         for &id in &*followed {
             push(MOTION, &spheres.sphere(id), values);
@@ -134,7 +156,7 @@ fn followed_ids(scene: &Scene, events: &[BodyEvent]) -> Vec<usize> {
 }
 
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
-    let mut all: Vec<_> = describe(OF_ALL, "").collect();
+    let mut all: Vec<_> = describe(OF_ALL, "").chain(describe(OF_SOUNDNESS, "")).collect();
     if spheres <= FEW {
         all.extend(of_paths(spheres));
     }
@@ -234,6 +256,9 @@ mod tests {
             moves: Vec::new(),
             faces: plane_walls::faces(&scene).count(),
             spheres,
+            step: 1e-3,
+            smallest: 2e-3,
+            energy: EnergyAccount::default(),
         };
         grains.advance(1000, &[]).unwrap();
         let (names, mut values) = (signals(&scene, 1), Vec::new());
@@ -243,6 +268,8 @@ mod tests {
         let weight = 2500.0 * std::f64::consts::PI / 6.0 * 8e-9 * 9.81;
         assert!((of("z_lower.wall_force_z") / -weight - 1.0).abs() < 1e-3);
         assert_eq!(of("x_upper.wall_force_x"), 0.0);
+        assert_eq!(of("way_in_step"), of("max_speed") * 1e-3 / 2e-3);
+        assert_eq!(grains.place("way_in_step").unwrap().bodies, [Some(0), None]);
         assert!((of("stone.z") - 1e-3).abs() < 1e-8 && of("wall_collisions") > 100.0);
     }
 }

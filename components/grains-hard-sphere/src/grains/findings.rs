@@ -1,6 +1,7 @@
 //! Numbers of hard spheres, judged before the run.
 
 use crate::setup::hard_resolution::HardResolution;
+use tremie_grains_kit::signals::soundness::{limit_of_energy, limit_of_way};
 use tremie_messages::finding::short;
 use tremie_messages::scene::Scene;
 use tremie_messages::{Finding, Limit};
@@ -75,9 +76,21 @@ fn way(resolution: &HardResolution, step: f64) -> Finding {
         )
 }
 
+/// Ways in a step over the smallest radius, doubtful and wrong.
+const WAYS: [f64; 2] = [TOO_FAR, 2.0];
+
 /// Limits that signals must keep.
-pub fn limits() -> Vec<Limit> {
-    vec![Limit {
+pub fn limits(scene: &Scene, resolution: &HardResolution) -> Vec<Limit> {
+    let shorter = "a shorter time_step in settings.grains-hard-sphere";
+    let mut all = vec![crowded()];
+    // From event to event no step misses anything.
+    all.extend((!resolution.by_events).then(|| limit_of_way(WAYS, shorter)));
+    all.extend(limit_of_energy(scene, shorter));
+    all
+}
+
+fn crowded() -> Limit {
+    Limit {
         signal: "crowded".into(),
         quantity: "bodies that were held in a step".into(),
         unit: "1".into(),
@@ -87,5 +100,6 @@ pub fn limits() -> Vec<Limit> {
               or the step is too long"
             .into(),
         remedy: "a shorter time_step, more most_collisions, or grains-dem where grains lie in a bed".into(),
-    }]
+        watch: None,
+    }
 }

@@ -18,7 +18,7 @@ use tremie_grains_kit::space::periodic::PeriodicBox;
 use tremie_grains_kit::space::rigid_body::Twist;
 use tremie_messages::body::{BodyEvent, BodyState};
 use tremie_messages::scene::{Domain, Motion, Scene};
-use tremie_messages::{Load, Problem};
+use tremie_messages::{Load, Place, Problem};
 use tremie_state::{KeepsState, StateError, StateExchange};
 use tremie_team::Team;
 
@@ -329,6 +329,17 @@ impl HardSpheres {
         &self.wall_forces
     }
 
+    /// The fastest free body, as others see it.
+    pub fn fastest_place(&self) -> Option<Place> {
+        let bodies = &self.system.bodies;
+        let free = (0..bodies.len()).filter(|id| bodies[*id].is_free());
+        let square = |id: usize| self.velocity(id).norm_squared();
+        // The first of several.
+        let fastest = free.reduce(|best, id| if square(id) > square(best) { id } else { best })?;
+        let position = self.system.cells.bounds.wrap(bodies[fastest].x);
+        Some(Place::of_body(fastest as u64, position.into()))
+    }
+
     /// Sums over the free bodies, and collisions so far.
     pub fn diagnostics(&self) -> HardDiagnostics {
         let (system, count) = (&self.system, &self.system.count);
@@ -359,7 +370,7 @@ impl HardSpheres {
 }
 
 impl KeepsState for HardSpheres {
-    const STATE_VERSION: u32 = 1;
+    const STATE_VERSION: u32 = 2;
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         let Self { system, driver, .. } = self;

@@ -3,3 +3,4 @@
 pub mod body_signals;
 pub mod followed;
 pub mod shared_signals;
+pub mod soundness;

@@ -131,6 +131,11 @@ struct Passes {
 }
 
 impl Seal {
+    /// Largest compression of its table [m].
+    pub fn reach(&self) -> f64 {
+        self.table.last_compression()
+    }
+
     /// A seal at rest, compressed as the scene says, in steps of `dt` [s]. `water`: the fluid that
     /// it moves in, if any.
     ///

@@ -48,9 +48,14 @@ pub struct Description {
     /// Findings: numbers with verdicts on how far the results can be trusted.
     #[serde(default)]
     pub findings: Vec<Finding>,
-    /// Limits of its signals, judged when the run is over.
+    /// Limits of its signals, judged when the run is over; those with a [`Limit::watch`] in every
+    /// window.
     #[serde(default)]
     pub limits: Vec<Limit>,
+    /// Its reports have a [`Place`](crate::Place) for each watched signal of its assignment, after
+    /// the signals.
+    #[serde(default)]
+    pub tells_places: bool,
     /// Version of the state that the component keeps at a checkpoint; `None` if it cannot be kept.
     /// Another one whenever the content of its states changes.
     #[serde(default)]

@@ -45,6 +45,8 @@ pub enum FaultKind {
     Substeps,
     /// The solver itself failed.
     Solver,
+    /// A watched quantity of the physics has passed its limit.
+    Physics,
     /// A channel failed.
     Channel,
     /// A component's process ended without a reply.

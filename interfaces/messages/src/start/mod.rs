@@ -33,7 +33,7 @@ pub use frames::{FrameContent, FrameStream, VolumeGrid};
 pub use signal_row::SignalRow;
 
 use crate::schedule::{Edge, Script};
-use crate::{Problem, Role, scene::Scene};
+use crate::{Problem, Role, WatchedSignal, scene::Scene};
 use serde::{Deserialize, Serialize};
 
 /// Environment variable of a program that is started as a component; its value is the interface
@@ -191,6 +191,9 @@ pub struct Assignment {
     pub edges: Vec<Edge>,
     /// Operations of each window.
     pub script: Script,
+    /// Its signals that the run watches.
+    #[serde(default)]
+    pub watched: Vec<WatchedSignal>,
     /// Frames to send (physics) or to take (observers).
     pub frames: Vec<FrameStream>,
     /// Shared memory through which it reaches the others.

@@ -30,6 +30,7 @@ mod scene;
 mod seals;
 mod slider;
 mod surfaces;
+mod watch;
 
 use super::document::Document;
 use super::path;
@@ -54,6 +55,7 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
     }
     let components = components::components(document, findings);
     let stop_when = run::stops(document, findings);
+    let watch = watch::watch(&document.watch, findings);
     Some(Spec {
         run: run?,
         scene: scene?,
@@ -61,6 +63,7 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
         settings: document.settings.clone(),
         outputs: outputs?,
         stop_when: stop_when?,
+        watch: watch?,
     })
 }
 

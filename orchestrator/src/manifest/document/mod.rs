@@ -21,6 +21,7 @@ mod scene;
 mod slider;
 mod surfaces;
 mod values;
+mod watch;
 
 pub(super) use bodies::*;
 pub(super) use contacts::*;
@@ -39,6 +40,7 @@ pub(super) use scene::*;
 pub(super) use slider::*;
 pub(super) use surfaces::*;
 pub(super) use values::{ComponentEntry, DiameterEntry};
+pub(super) use watch::*;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -64,6 +66,9 @@ pub(super) struct Document {
     pub settings: BTreeMap<String, Map<String, Value>>,
     /// What is kept of the run.
     pub outputs: OutputsTable,
+    /// Watchdogs: limits of the physics, above which the run stops.
+    #[serde(skip_serializing_if = "WatchTable::is_empty")]
+    pub watch: WatchTable,
     /// Conditions that end the run early; any of them suffices.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stop_when: Vec<StopTable>,

@@ -247,7 +247,7 @@ fn next_leg(
 ) -> Option<NextLeg> {
     match (&ended.summary.ending, &ended.change) {
         (Ending::Interrupted, Some(change)) => with_change(order, out, change, terminal),
-        (Ending::Failed { fault }, _) => {
+        (Ending::Failed { fault, .. }, _) => {
             let from = restarts.after(fault, &ended.summary, out, terminal)?;
             Some(NextLeg { from, manifest: None, pause_at: None })
         }
@@ -284,7 +284,8 @@ struct Restarts {
 
 impl Restarts {
     /// The checkpoint from which a run that failed may go on by itself; `None` if it would fail again: at
-    /// the window of the fault before, or because an output cannot be written.
+    /// the window of the fault before, because its physics went wrong, or because an output cannot be
+    /// written.
     fn after(
         &mut self,
         fault: &Fault,
@@ -292,7 +293,8 @@ impl Restarts {
         out: &Path,
         terminal: &Terminal,
     ) -> Option<WholeCheckpoint> {
-        if fault.kind == FaultKind::Output || summary.checkpoint.is_none() {
+        let fails_again = [FaultKind::Output, FaultKind::Physics].contains(&fault.kind);
+        if fails_again || summary.checkpoint.is_none() {
             return None;
         }
         if self.failed_at.replace(fault.window) == Some(fault.window) {
@@ -503,6 +505,12 @@ fn last_line(summary: &Summary, out: &Path) -> String {
         Ending::Completed => format!("completed: {went}"),
         Ending::Stopped { reason } => format!("stopped: {reason}; {went}"),
         Ending::Interrupted => format!("interrupted: {went}{resume}"),
-        Ending::Failed { fault } => format!("outputs up to {went}\nfailed: {fault}{resume}"),
+        Ending::Failed { fault, breach } => {
+            let before = breach.as_ref().map(|breach| match breach.resumption() {
+                Some([options, effect]) => format!("\n`tremie resume {name}{options}` {effect}"),
+                None => "\nno checkpoint is from before that; `--set run.checkpoints.windows=N` makes one every N windows".into(),
+            });
+            format!("outputs up to {went}\nfailed: {fault}{}", before.unwrap_or(resume))
+        }
     }
 }

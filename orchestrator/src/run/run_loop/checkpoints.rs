@@ -9,6 +9,7 @@
 //! the credit for it names it. Observers are told before, and hold back frames of later windows until
 //! they have kept their own states.
 
+use super::credit::WARY_AHEAD;
 use super::{LoopState, RunLoop};
 use crate::manifest::{Checkpoints, ORCHESTRATOR};
 use crate::outputs::{
@@ -21,7 +22,7 @@ use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
 use tremie_messages::Role;
 use tremie_messages::control::Credit;
-use tremie_state::{SavedState, StateError, StateExchange};
+use tremie_state::{KeepsState, SavedState, StateError, StateExchange};
 
 /// Checkpoints of a run.
 pub struct CheckpointKeeping {
@@ -36,6 +37,8 @@ pub struct CheckpointKeeping {
     /// Folder of the outputs.
     pub output: PathBuf,
     pub(super) under_way: Option<UnderWay>,
+    /// Signal for which a watchdog asked for one, and the first window that it shall be of.
+    asked: Option<(String, u64)>,
     /// Window and time of the last.
     pub(super) last: (u64, Instant),
     /// Window of the newest whole one.
@@ -74,7 +77,8 @@ impl CheckpointKeeping {
     ) -> Self {
         remove_unfinished_checkpoints(&output);
         let last = (first, Instant::now());
-        Self { when, can_be_made, record, manifest, output, under_way: None, last, newest }
+        let (under_way, asked) = (None, None);
+        Self { when, can_be_made, record, manifest, output, under_way, asked, last, newest }
     }
 
     /// True if any are wanted, and can be made.
@@ -82,8 +86,22 @@ impl CheckpointKeeping {
         self.can_be_made && self.when.keep > 0
     }
 
+    /// A watchdog asks for one, because of a signal in the row of `window`. One that is under way
+    /// will do.
+    pub(super) fn ask(&mut self, signal: String, window: u64) {
+        let are_wanted = self.are_wanted();
+        match &mut self.under_way {
+            Some(under_way) => under_way.record.made_for = Some(signal),
+            None if are_wanted => self.asked = Some((signal, window + WARY_AHEAD)),
+            None => {}
+        }
+    }
+
     /// True if the next is due at `window`.
     fn are_due(&self, window: u64, now: Instant) -> bool {
+        if self.asked.as_ref().is_some_and(|(_, asked)| window >= *asked) {
+            return true;
+        }
         let (last, at) = self.last;
         let by_time = self
             .when
@@ -95,12 +113,14 @@ impl CheckpointKeeping {
 
     /// The last window that may be granted before the next checkpoint by windows begins. Such checkpoints
     /// are made at the same windows in every run: where the disk is too slow for them, the run waits.
+    /// The same holds for one that a watchdog asked for.
     fn last_before(&self, granted: u64) -> u64 {
+        let asked = self.asked.as_ref().map_or(u64::MAX, |(_, asked)| granted.max(asked - 1));
         let Some(windows) = self.when.windows.filter(|_| self.are_wanted()) else {
-            return u64::MAX;
+            return asked;
         };
         let begun = self.under_way.as_ref().map_or(0, |under_way| under_way.folder.window());
-        granted.max(begun) / windows * windows + windows - 1
+        asked.min(granted.max(begun) / windows * windows + windows - 1)
     }
 }
 
@@ -159,6 +179,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
         let ticks = window * self.clock.ticks_per_window;
         let record = CheckpointRecord {
+            made_for: self.checkpoints.asked.take().map(|(signal, _)| signal),
             window,
             time: self.clock.seconds(ticks),
             ..self.checkpoints.record.clone()
@@ -235,6 +256,16 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         self.abandon_checkpoint(&why)
     }
 
+    /// True while a checkpoint of a window before `window` is being written, by components that are
+    /// there.
+    pub(super) fn is_being_written(&self, window: u64) -> bool {
+        self.checkpoints.under_way.as_ref().is_some_and(|it| {
+            it.window() < window
+                && it.own.is_some()
+                && it.missing.iter().all(|index| !self.peers[*index].closed)
+        })
+    }
+
     /// An observer is gone: no checkpoint waits for it.
     pub(super) fn forget_in_checkpoints(&mut self, index: usize) -> Result<(), OutputError> {
         self.checkpoints.record.components.remove(&self.peers[index].name);
@@ -279,8 +310,10 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 remove_old_checkpoints(&self.checkpoints.output, keep);
                 let [copied, took] = [copied, begun.elapsed()].map(|time| time.as_secs_f64());
                 let size = crate::plan::bytes(bytes);
+                let made_for = record.made_for.as_ref();
+                let why = made_for.map_or(String::new(), |signal| format!(", because of {signal}"));
                 let text = format!(
-                    "checkpoint of window {window}: {size}, copied in {copied:.4} s, written {took:.1} s after"
+                    "checkpoint of window {window}: {size}, copied in {copied:.4} s, written {took:.1} s after{why}"
                 );
                 // Into the file only: wall time decides when checkpoints are made, and recordings of
                 // equal runs must be equal.
@@ -315,6 +348,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     ) -> Result<(), StateError> {
         state.within("signals", |state| self.table.exchange(state))?;
         state.within("stop_when", |state| self.stop.exchange(state))?;
+        state.within("watch", |state| self.watchdogs.exchange_state(state))?;
         state.value("end", &mut own.end)?;
         state.value("wall", &mut own.wall)?;
         let names = self.physics.iter().map(|index| self.peers[*index].name.clone());

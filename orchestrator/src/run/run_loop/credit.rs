@@ -11,6 +11,11 @@ use tremie_messages::control::Credit;
 /// Wall time by which credit runs ahead [s]: the delay of a Ctrl-C.
 const CREDIT_AHEAD: f64 = 0.1;
 
+/// Windows between the one whose row asks for a checkpoint and that of the checkpoint, where the
+/// signal was near its level before. Credit stays below it then, so that its window depends on the
+/// physics alone.
+pub(super) const WARY_AHEAD: u64 = 16;
+
 impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Lets components advance some windows beyond the last that all have completed.
     pub(super) fn grant(&mut self, state: &mut LoopState, now: Instant) -> Result<(), EndReason> {
@@ -28,6 +33,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         // A condition ends the run STOP_AHEAD windows later. Credit stays below that window: a
         // component that advances through it must know that it is the last.
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
+        let most = if self.watchdogs.is_wary() { most.min(WARY_AHEAD - 1) } else { most };
         if !state.not_watching.is_empty() {
             // Only the start exchange, or what stands for it where the run goes on, until lossless observers have taken their first frames.
             return self.grant_through(state, self.first);

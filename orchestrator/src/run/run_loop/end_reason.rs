@@ -1,6 +1,6 @@
 //! Reasons for which the loop of windows ends before all are done.
 
-use crate::outputs::OutputError;
+use crate::outputs::{Breach, OutputError};
 use tremie_channels::ChannelError;
 use tremie_messages::start::{Fault, FaultKind};
 
@@ -9,6 +9,8 @@ pub(super) enum EndReason {
     /// A second interrupt: the run ends at once, not in order.
     Impatience,
     Fault(Box<Fault>),
+    /// A watched quantity has passed its limit.
+    Breach(Box<Breach>),
     Output(OutputError),
 }
 

@@ -78,10 +78,11 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         self.stop_physics(state);
         match reason {
             EndReason::Impatience => Ending::Interrupted,
-            EndReason::Fault(fault) => Ending::Failed { fault: *fault },
+            EndReason::Fault(fault) => (*fault).into(),
+            EndReason::Breach(breach) => (*breach).into(),
             EndReason::Output(error) => {
                 let window = self.monitor.common_window().unwrap_or(0);
-                Ending::Failed { fault: error.into_fault(window) }
+                error.into_fault(window).into()
             }
         }
     }
@@ -89,7 +90,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Writes the log's last line, at the last window that all components completed.
     pub(super) fn log_ending(&mut self, ending: &Ending, window: u64) -> Result<(), OutputError> {
         match ending {
-            Ending::Failed { fault } => {
+            Ending::Failed { fault, .. } => {
                 self.note(LogLevel::Error, &fault.blamed, &fault.to_string())
             }
             Ending::Interrupted => Ok(()),

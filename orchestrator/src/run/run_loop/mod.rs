@@ -10,16 +10,18 @@ mod observers;
 mod pace;
 mod progress;
 mod steering;
+mod watch;
 mod windows;
 
 use crate::outputs::ScheduleTiming;
+use crate::outputs::{Breach, Ending, RunLog, SignalTable, Trace};
 use crate::outputs::{ComponentTotals, WholeCheckpoint};
-use crate::outputs::{Ending, RunLog, SignalTable, Trace};
 use crate::run::control::Control;
 use crate::run::launch::{Peer, PeerEvent};
 use crate::run::monitor::Monitor;
 use crate::run::startup_log::EarlyLog;
 use crate::run::stop_conditions::StopConditions;
+use crate::run::watchdogs::Watchdogs;
 use crate::terminal::Terminal;
 use checkpoints::OwnPart;
 pub use checkpoints::{CheckpointKeeping, component_record};
@@ -67,6 +69,8 @@ pub struct RunLoop<'a, S: ChannelMedium> {
     pub deadline: f64,
     /// Conditions that end the run early.
     pub stop: StopConditions,
+    /// Signals that stop the run where the physics goes wrong.
+    pub watchdogs: Watchdogs,
     /// Table of signals.
     pub table: SignalTable,
     /// Log of the run.
@@ -116,6 +120,8 @@ struct LoopState {
     /// Last window of the run, once the end was asked for early.
     last: Option<u64>,
     reason: Option<Ending>,
+    /// A watched quantity that has passed its limit.
+    breach: Option<Box<Breach>>,
     /// The end that a condition had set before the checkpoint from which the run goes on.
     resumed_end: Option<(u64, String)>,
     /// Number of the user's interrupts at the last look.
@@ -147,6 +153,7 @@ impl LoopState {
             granted: None,
             last: None,
             reason: None,
+            breach: None,
             resumed_end: None,
             asked: 0,
             begun: None,

@@ -1,9 +1,9 @@
 //! One round of the loop of windows: arrivals, reports, rows, guards, credit.
 
+use super::credit::WARY_AHEAD;
 use super::ends::STOP_AHEAD;
 use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
-use crate::outputs::SignalRow;
 use crate::outputs::{Ending, LogLevel, OutputError};
 use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
@@ -12,15 +12,25 @@ use tremie_messages::units;
 /// Interval of the orchestrator's looks at reports. Physics does not wait for it: credit runs
 /// ahead.
 const LOOK: Duration = Duration::from_millis(1);
+/// The shortest, where credit runs little ahead.
+const SHORT_LOOK: Duration = Duration::from_micros(100);
 
 impl<S: ChannelMedium> RunLoop<'_, S> {
     pub(super) fn run_windows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
+        let went = self.go_through_windows(state);
+        went.map_err(|reason| self.first_reason(state, reason))
+    }
+
+    fn go_through_windows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         loop {
             // Arrivals first: a component's word of a fault came before the silence that follows
             // it.
-            self.take_events(state, LOOK)?;
+            self.take_events(state, self.nap(state))?;
             self.take_reports()?;
             self.take_rows(state)?;
+            if let Some(breach) = state.breach.take() {
+                return Err(EndReason::Breach(breach));
+            }
             let now = Instant::now();
             // A finished component sent its reports before, so all of them are taken by now.
             if self.physics.iter().all(|index| state.finished[*index]) {
@@ -55,9 +65,25 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         Ok(())
     }
 
+    /// Time until the next look. Physics must not wait for it, also where credit runs little ahead.
+    fn nap(&self, state: &LoopState) -> Duration {
+        if !self.watchdogs.is_wary() {
+            return LOOK;
+        }
+        let some = 0.5 * WARY_AHEAD as f64 / state.pace.rate().max(1.0);
+        Duration::from_secs_f64(some).clamp(SHORT_LOOK, LOOK)
+    }
+
     fn take_rows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         while let Some(row) = self.monitor.next_row() {
-            let SignalRow { window, values, .. } = &row;
+            self.heed_watchdogs(state, &row)?;
+            let row = row.row;
+            if state.breach.is_some() {
+                // The last row that counts.
+                self.table.take(row)?;
+                return Ok(());
+            }
+            let (window, values) = (&row.window, &row.values);
             let time = self.clock.seconds(window * self.clock.ticks_per_window);
             // A later condition changes nothing: the last window is fixed once.
             if let Some(reason) = self.stop.look(time, values).filter(|_| state.last.is_none()) {
@@ -76,7 +102,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Writes the rows that were whole when the end came.
     pub(super) fn take_last_rows(&mut self) -> Result<(), OutputError> {
         while let Some(row) = self.monitor.next_row() {
-            self.table.take(row)?;
+            self.table.take(row.row)?;
         }
         Ok(())
     }

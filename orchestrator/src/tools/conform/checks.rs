@@ -86,7 +86,7 @@ fn ends_alone(subject: &Subject) -> Result<(), String> {
 fn runs(subject: &Subject, schedule: &str) -> Result<(), String> {
     match subject.run(&[("run.schedule", schedule)], None)?.summary.ending {
         Ending::Completed => Ok(()),
-        Ending::Failed { fault } => Err(fault.to_string()),
+        Ending::Failed { fault, .. } => Err(fault.to_string()),
         other => Err(format!("the run ended with {other:?}")),
     }
 }
@@ -134,8 +134,8 @@ fn goes_on(subject: &Subject) -> Result<(), String> {
 fn notices(subject: &Subject, kind: InjectionKind, expected: FaultKind) -> Result<(), String> {
     let sets = [("run.deadline", "0.5 s")];
     match subject.run(&sets, Some((kind, 3)))?.summary.ending {
-        Ending::Failed { fault } if is_noticed(subject, &fault, expected) => Ok(()),
-        Ending::Failed { fault } => {
+        Ending::Failed { fault, .. } if is_noticed(subject, &fault, expected) => Ok(()),
+        Ending::Failed { fault, .. } => {
             Err(format!("expected a fault of kind {expected:?}, found {fault}"))
         }
         other => Err(format!("the run ended with {other:?}")),
