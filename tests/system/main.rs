@@ -3,6 +3,7 @@
 mod alone;
 mod answers;
 mod bad_input;
+mod compare;
 mod compressible_gas;
 mod conform;
 mod coupling;
@@ -20,6 +21,7 @@ mod outputs;
 mod particle_fluid;
 mod polyhedra;
 mod profiles;
+mod replay;
 mod report;
 mod resident;
 mod resume;

@@ -268,6 +268,12 @@ impl WholeCheckpoint {
         &self.folder
     }
 
+    /// True if it lies in this folder of outputs.
+    pub fn is_of(&self, output: &Path) -> bool {
+        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        whole(&self.folder).starts_with(whole(output))
+    }
+
     /// Puts the orchestrator's part back where `tell` names it.
     ///
     /// # Errors

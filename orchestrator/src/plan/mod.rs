@@ -16,6 +16,7 @@ mod tests;
 
 pub(crate) use report::bytes;
 pub use steps::TOLERANCE;
+pub(crate) use streams::copied_bytes;
 
 use crate::manifest::{ComponentSpec, Spec};
 use schedule::Wiring;
@@ -128,6 +129,14 @@ impl Plan {
         })
     }
 
+    /// Ends the run with a window, if it does not end before.
+    pub fn end_at(&mut self, window: u64) {
+        let components = self.components.iter_mut().map(|component| &mut component.windows);
+        for windows in components.chain([&mut self.windows]) {
+            *windows = window.min(*windows);
+        }
+    }
+
     /// Indices of the components that must not lose a frame.
     pub fn lossless_observers(&self) -> Vec<usize> {
         let must = |c: &PlannedComponent| {
@@ -224,7 +233,7 @@ fn assemble(
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
     let room = streams::Room { bodies: body_capacity, vertices };
-    let frames = streams::streams(described, room, |observer, content| {
+    let frames = streams::streams(described, room, &edges, |observer, content| {
         frame_windows(spec, (observer, content), window, steps.windows)
     });
     let (notes, more_warnings) = notes(spec, described, &frames, &steps);
@@ -289,6 +298,10 @@ fn frame_windows(
 ) -> u64 {
     match content {
         FrameContent::Profile(name) => profiles::windows_between(spec, name, window, windows),
+        FrameContent::Messages(_) => 1,
+        FrameContent::Hashes(_) => {
+            windows_in(spec.outputs.frames, window, windows).min(FrameContent::MOST_HASHED_WINDOWS)
+        }
         _ => windows_in(spec.interval(observer), window, windows),
     }
 }

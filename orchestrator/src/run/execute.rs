@@ -44,7 +44,8 @@ pub struct RunCall<'a> {
     pub interrupts: &'a AtomicUsize,
     /// Folder from which the manifest's programs were found.
     pub programs: &'a Path,
-    /// The checkpoint from which it goes on, with the outputs that are there.
+    /// The checkpoint from which it goes on: with the outputs that are there, if the checkpoint lies
+    /// among them.
     pub from: Option<&'a WholeCheckpoint>,
 }
 
@@ -92,6 +93,7 @@ impl Prepared {
 
     fn execute_between<S: ChannelMedium>(mut self, call: RunCall<'_>) -> Result<Ended, RunError> {
         let RunCall { manifest, out, execution, terminal, interrupts, programs, from } = call;
+        let own = from.filter(|from| from.is_of(out.path()));
         if let Some(from) = from {
             self.check_fit(from)?;
         }
@@ -104,9 +106,10 @@ impl Prepared {
         let spec = &manifest.spec;
         let names = self.signal_names();
         let (table, log, trace) =
-            self.open_outputs(manifest, out, execution, (&names, from.is_some()))?;
-        let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
-        if from.is_some() {
+            self.open_outputs(manifest, out, execution, (&names, own.is_some()))?;
+        let control =
+            self.start_components::<S>(manifest, execution, interrupts, (from, own.is_some()))?;
+        if own.is_some() {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;
         }
@@ -140,7 +143,7 @@ impl Prepared {
             first,
             wall_before: Duration::ZERO,
         };
-        let driven = match drive.run(from) {
+        let driven = match drive.run(own) {
             Ok(driven) => driven,
             Err(error) => {
                 end_all(&mut self.peers, QUIT_GRACE);
@@ -164,15 +167,26 @@ impl Prepared {
         manifest: &Manifest,
         execution: &Execution,
         interrupts: &AtomicUsize,
-        from: Option<&WholeCheckpoint>,
+        (from, same_outputs): (Option<&WholeCheckpoint>, bool),
     ) -> Result<Control<S>, RunError> {
         let prefix = sweep::prefix_of(self.run);
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
         let root = places.root();
-        let poll = execution.poll.unwrap_or(POLL);
-        let deadline = manifest.spec.run.deadline;
-        let assignments =
-            self.assignments(&root, &prefix, execution.in_process, deadline, poll, from);
+        let transport = Transport {
+            between_processes: !execution.in_process,
+            root,
+            prefix: prefix.clone(),
+            deadline: manifest.spec.run.deadline,
+            poll: execution.poll.unwrap_or(POLL).as_secs_f64(),
+            report_depth: REPORT_DEPTH,
+            ..Transport::default()
+        };
+        let resume = from.map(|from| Resume {
+            window: from.record.window,
+            folder: from.folder().to_string_lossy().into_owned(),
+            same_outputs,
+        });
+        let assignments = self.assignments(&transport, resume.as_ref());
         let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
@@ -253,35 +267,14 @@ impl Prepared {
             .collect()
     }
 
-    fn assignments(
-        &self,
-        root: &str,
-        prefix: &str,
-        in_process: bool,
-        deadline: f64,
-        poll: Duration,
-        from: Option<&WholeCheckpoint>,
-    ) -> Vec<Assignment> {
-        let resume = from.map(|from| Resume {
-            window: from.record.window,
-            folder: from.folder().to_string_lossy().into_owned(),
-            same_outputs: true,
-        });
-        let transport = |name: &str| Transport {
-            between_processes: !in_process,
-            root: root.to_string(),
-            prefix: prefix.to_string(),
+    fn assignments(&self, transport: &Transport, resume: Option<&Resume>) -> Vec<Assignment> {
+        let of = |name: &str| Transport {
             credit_service: format!("credit/{name}"),
             report_service: format!("report/{name}"),
-            report_depth: REPORT_DEPTH,
-            deadline,
-            poll: poll.as_secs_f64(),
+            ..transport.clone()
         };
-        self.plan
-            .components
-            .iter()
-            .map(|c| c.assignment(transport(&c.name), resume.clone()))
-            .collect()
+        let components = self.plan.components.iter();
+        components.map(|c| c.assignment(of(&c.name), resume.cloned())).collect()
     }
 
     /// Hands out the assignments, and waits until all components are ready.
