@@ -144,7 +144,7 @@ impl<S: ChannelMedium> Frames<S> {
         let mut sent = context.sent.take();
         let mut have_rows = false;
         for index in 0..self.outlets.len() {
-            if self.outlets[index].is_due(context.window, shown, &sent) {
+            if self.outlets[index].is_due(context.window, shown) {
                 have_rows |= matches!(self.outlets[index].stream, Stream::Hashes(_));
                 self.send_one(index, context, shown, (signals, &sent));
             }
@@ -230,12 +230,10 @@ impl FrameSource for NoProfile {}
 impl<S: ChannelMedium> Outlet<S> {
     /// True if a frame is due at the end of a window. A table of a profile is when it has ended; one
     /// without samples, of the start exchange, lets the observer's end of the channel begin.
-    fn is_due(&self, window: u64, shown: &impl FrameSource, sent: &SentMessages) -> bool {
-        let is_its_turn = window.is_multiple_of(self.plan.every);
+    fn is_due(&self, window: u64, shown: &impl FrameSource) -> bool {
         match &self.stream {
             Stream::Profile(name, _) => window == 0 || shown.has_profile(name, false),
-            Stream::Hashes(_) => is_its_turn || sent.are_rows_full(self.plan.capacity),
-            _ => is_its_turn,
+            _ => window.is_multiple_of(self.plan.every),
         }
     }
 

@@ -36,7 +36,6 @@ impl SentMessages {
             let channels = match &stream.content {
                 FrameContent::Hashes(channels) => {
                     sent.are_hashed = true;
-                    // Two frames' worth: where a run goes on with another rate, rows of before wait.
                     sent.rows.reserve(stream.capacity as usize);
                     channels
                 }
@@ -86,11 +85,6 @@ impl SentMessages {
     /// Rows that wait for a frame, as its values.
     pub fn rows(&self) -> &[u64] {
         &self.rows
-    }
-
-    /// True if another row would not fit a frame of so many values.
-    pub fn are_rows_full(&self, capacity: u64) -> bool {
-        (self.rows.len() + 1 + self.channels.len()) as u64 > capacity
     }
 
     /// A frame has taken the rows.
