@@ -114,24 +114,20 @@ pub fn compare(
     open: impl Fn(usize) -> Result<Recording, ReadError>,
 ) -> Result<Comparison, ReadError> {
     let both = [open(0)?, open(1)?];
-    let mut from = 0;
-    let mut hashes = None;
+    let (mut hashes, mut from) = (None, 0);
     if both.iter().all(Recording::has_hashes) {
-        let mut items =
-            both.map(|recording| recording.items_of(|topic| topic.starts_with("/hashes/")));
+        let mut items = both.map(|one| one.items_of(|topic| topic.starts_with("/hashes/")));
         let compared = compare_hashes(&mut items)?;
-        let place = match compared.window {
-            None => return Ok(Comparison::new(Some(compared), None, &items)),
-            Some(window) => {
-                from = window;
-                find_in_messages(&open, window, &compared.differing)?
+        if let Some(window) = compared.window {
+            let place = find_in_messages(&open, window, &compared.differing)?;
+            if place.is_some() {
+                return Ok(Comparison::new(Some(compared), place, &items));
             }
-        };
-        if place.is_some() {
-            return Ok(Comparison::new(Some(compared), place, &items));
+            from = window;
         }
         hashes = Some(compared);
     }
+    // Also where the hashes are equal: what no message tells may differ, as far from all bodies.
     let mut windows = [open(0)?, open(1)?].map(Windows::of_frames);
     let place = find_in_frames(&mut windows, from)?;
     Ok(Comparison::new(hashes, place, &windows.map(|windows| windows.items)))

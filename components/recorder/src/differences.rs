@@ -125,12 +125,27 @@ impl Differences {
         self.count == 0 && self.others.is_empty()
     }
 
+    /// How much it is, a few words.
+    pub fn amount(&self) -> String {
+        match (self.count, self.others.len()) {
+            (0, 0) => "nothing differs".into(),
+            (0, 1) => "another value".into(),
+            (0, others) => format!("{others} other values"),
+            (1, _) => "1 number differs".into(),
+            (count, _) => format!("{count} numbers differ"),
+        }
+    }
+
     /// In lines.
     pub fn lines(&self) -> Vec<String> {
-        let mut lines: Vec<String> = self.others.iter().take(LISTED).cloned().collect();
-        lines.extend(self.first.iter().map(ToString::to_string));
-        let left_out =
-            self.others.len().saturating_sub(LISTED) as u64 + self.count - self.first.len() as u64;
+        self.first_lines(LISTED)
+    }
+
+    /// The first numbers in lines, at most so many.
+    pub(crate) fn first_lines(&self, most: usize) -> Vec<String> {
+        let mut lines: Vec<String> = self.others.iter().take(most).cloned().collect();
+        lines.extend(self.first.iter().take(most).map(ToString::to_string));
+        let left_out = (self.others.len() as u64 + self.count) - lines.len() as u64;
         if left_out > 0 {
             lines.push(format!("and {left_out} more"));
         }

@@ -16,6 +16,9 @@ use tremie_sdk::{ControlPipe, RecordedMessage, RecordedMessages, Setup, play_rec
 /// Windows that are kept behind the newest: a message is taken at most two windows late.
 const BEHIND: u64 = 3;
 
+/// Most numbers that are told of a message that differs: it is a line in a log.
+const TOLD: usize = 3;
+
 /// Parameters of the player, which the orchestrator sets.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -97,12 +100,9 @@ impl RecordedMessages for Played {
 
     fn difference(content: Content, recorded: &[u8], found: &[u8]) -> Option<String> {
         let differences = of_messages(content, recorded, found);
-        let count = match differences.count {
-            1 => "1 number differs".into(),
-            count => format!("{count} numbers differ"),
-        };
-        let lines = differences.lines().join("; ");
-        (!differences.is_empty()).then(|| format!("{count}, recorded first: {lines}"))
+        let lines = differences.first_lines(TOLD).join("; ");
+        (!differences.is_empty())
+            .then(|| format!("{}, as recorded and now: {lines}", differences.amount()))
     }
 }
 

@@ -1,10 +1,10 @@
 //! `tremie diff OUT1 OUT2`: compares two runs.
 
-use super::WRONG_INPUT;
+use super::{WRONG_INPUT, refuse_text};
 use crate::program::cli::DiffArgs;
 use crate::terminal::standard::answer;
 use crate::terminal::{Style, Terminal};
-use crate::tools::compare::compare_runs;
+use crate::tools::compare::{CompareError, compare_runs};
 use serde_json::{Value, json};
 use std::process::ExitCode;
 
@@ -13,6 +13,9 @@ pub fn diff(arguments: &DiffArgs) -> ExitCode {
     let mut terminal = Terminal::answering(Style::asked(false, arguments.json));
     let found = match compare_runs([&arguments.one, &arguments.other]) {
         Ok(found) => found,
+        Err(CompareError::Manifest(errors)) => {
+            return refuse_text(&errors, arguments.json, &terminal);
+        }
         Err(error) => {
             terminal.fail(&error.to_string());
             return WRONG_INPUT.into();

@@ -15,7 +15,7 @@ use tremie_results::{SIGNALS, Signals};
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// A manifest cannot be read.
-    #[error("{0}\nOUT is the folder of a run, with its manifest.toml")]
+    #[error("{0}")]
     Manifest(Box<ManifestErrors>),
     /// There is nothing that both left.
     #[error("nothing can be compared: {0}")]
@@ -162,16 +162,28 @@ impl RunComparison {
                 "equal as far as both go ({}); the last window of one is not known",
                 self.compared().join("; ")
             ),
-            (false, _) => {
-                let hashes = self.recordings.as_ref().and_then(|both| both.hashes.as_ref());
-                match hashes.and_then(|hashes| Some((hashes.window?, hashes.differing.first()?))) {
-                    Some((0, channel)) => format!("the runs differ from the start: {channel}"),
-                    Some((window, channel)) => {
-                        format!("the runs differ from window {window} on: {channel}")
-                    }
-                    None => "the runs differ".into(),
-                }
+            (false, _) => self.beginning(),
+        }
+    }
+
+    /// Where runs that differ begin to.
+    fn beginning(&self) -> String {
+        let both = self.recordings.as_ref();
+        let hashes = both.and_then(|both| both.hashes.as_ref());
+        let differing = hashes.and_then(|hashes| Some((hashes.window?, hashes.differing.first()?)));
+        let from = |window: u64| match window {
+            0 => "from the start".to_string(),
+            window => format!("from window {window} on"),
+        };
+        if let Some((window, channel)) = differing {
+            return format!("the runs differ {}: {channel}", from(window));
+        }
+        match both.and_then(|both| both.place.as_ref()) {
+            Some(place) => {
+                let though = if hashes.is_some() { ", though in no message" } else { "" };
+                format!("the runs differ {}{though}: {}", from(place.window), place.at)
             }
+            None => "the runs differ: see above".into(),
         }
     }
 
@@ -180,9 +192,10 @@ impl RunComparison {
         let hashes = self.recordings.as_ref().map(|both| match &both.hashes {
             Some(hashes) => {
                 let windows = hashes.windows.saturating_sub(1);
-                format!("{windows} windows, hashes of {} channels", hashes.channels.len())
+                let channels = hashes.channels.len();
+                format!("{windows} windows, hashes of {channels} channels, frames")
             }
-            None => "all frames".into(),
+            None => "frames".into(),
         });
         let signals = self.signals.as_ref();
         let table = signals.map(|both| format!("{} rows of {} signals", both.rows, both.signals));
@@ -207,12 +220,8 @@ fn recording_lines(both: &RecordingComparison) -> Vec<String> {
             _ => String::new(),
         };
         let kind = if place.is_message { "message" } else { "frames" };
-        let count = match place.differences.count {
-            0 => String::new(),
-            1 => ": 1 number differs".into(),
-            count => format!(": {count} numbers differ"),
-        };
-        lines.push(format!("{kind}: {}, window {}{inside}{count}", place.at, place.window));
+        let amount = place.differences.amount();
+        lines.push(format!("{kind}: {}, window {}{inside}: {amount}", place.at, place.window));
         lines.extend(place.differences.lines().into_iter().map(|line| format!("  {line}")));
     } else if both.hashes.as_ref().is_some_and(|hashes| hashes.window.is_some()) {
         lines.push(
