@@ -29,6 +29,8 @@ fn obey(command: Command) -> ExitCode {
         Command::Signals(arguments) => commands::signals(&arguments),
         Command::Components => commands::components(),
         Command::View(arguments) => commands::view(&arguments),
+        Command::Diff(arguments) => commands::diff(&arguments),
+        Command::Replay(arguments) => commands::replay(&arguments),
         Command::Report(arguments) => commands::report(&arguments),
         Command::Bench(arguments) => commands::bench(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),

@@ -70,7 +70,7 @@ fn a_recording_holds_the_last_window_however_the_run_ends() {
     ];
     for ran in [&planned, &stopped] {
         let window = ran.summary()["windows"].as_u64().unwrap();
-        assert_eq!(last_frames(&ran.out), [window; 3], "{}", ran.errors());
+        assert_eq!(last_frames(&ran.out), [window; 4], "{}", ran.errors());
     }
     let file = |ran: &Ran| std::fs::read(ran.out.join("run.mcap")).unwrap();
     assert!(file(&stopped) == file(&again), "two recordings of one run differ");

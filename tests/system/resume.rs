@@ -261,6 +261,25 @@ fn recordings_fields_and_the_fluid_of_a_beginner_go_on() {
     assert_resumes(minimal, (9, "grains:kill@25"), &record, &[]);
 }
 
+#[test]
+fn hashes_and_messages_go_on() {
+    // Few frames: rows of hashes wait in the states of the components.
+    let keep = ["outputs.record=true", "outputs.messages=true", "outputs.frames=4 ms"];
+    let keep: Vec<&str> = keep.iter().flat_map(|set| ["--set", set]).collect();
+    let small = |options: &[&str]| run_text(SMALL, options);
+    assert_resumes(small, (7, "fluid:kill@30"), &keep, &["--in-process"]);
+    assert_resumes(
+        small,
+        (9, "grains:drop@27"),
+        &[&keep[..], &["--schedule", "parallel"]].concat(),
+        &[],
+    );
+    let valve = Valve::on_rough_spheres();
+    let pressed = |options: &[&str]| valve.run(options);
+    let short = [&keep[..], &["--until", "0.4 ms"]].concat();
+    assert_resumes(pressed, (30, "rubber:kill@77"), &short, &[]);
+}
+
 /// A fluid that a force makes too fast for its lattice, so that it is no number at the same window in every
 /// try.
 const TOO_FAST: &str = r#"

@@ -188,6 +188,8 @@ impl Observer for Fields {
                 profiles: false,
                 signals: false,
                 log: false,
+                hashes: false,
+                messages: false,
             },
             ..Description::default()
         })

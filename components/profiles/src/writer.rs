@@ -157,6 +157,8 @@ impl Observer for ProfileWriter {
                 profiles: true,
                 signals: false,
                 log: false,
+                hashes: false,
+                messages: false,
                 volumes: None,
             },
             ..Description::default()

@@ -72,6 +72,21 @@ impl RunNote {
         })
     }
 
+    /// Ticks and windows.
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// True if a component sent frames of such a content.
+    pub fn sends(&self, from: &str, is_such: impl Fn(&FrameContent) -> bool) -> bool {
+        self.streams.iter().any(|stream| stream.from == from && is_such(&stream.content))
+    }
+
+    /// True if some component did.
+    pub fn has(&self, is_such: impl Fn(&FrameContent) -> bool) -> bool {
+        self.streams.iter().any(|stream| is_such(&stream.content))
+    }
+
     /// Setup that an observer named `component` would have got.
     pub fn setup(
         &self,

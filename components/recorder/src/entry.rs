@@ -17,6 +17,10 @@ pub fn topic(stream: Option<&Stream>) -> String {
         Some(Stream::Surfaces(from)) => format!("/surfaces/{from}"),
         Some(Stream::Cut(from, name)) => format!("/cuts/{from}/{name}"),
         Some(Stream::Signals(from)) => format!("/signals/{from}"),
+        Some(Stream::Hashes(from)) => format!("/hashes/{from}"),
+        Some(Stream::Messages(from, content, to)) => {
+            format!("/messages/{from}/{}/{to}", content.name())
+        }
     }
 }
 

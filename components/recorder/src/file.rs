@@ -2,6 +2,7 @@
 
 use crate::document::{END, RUN};
 use crate::entry::{Entry, LOG, topic};
+use crate::hashes::hash_fields;
 use crate::schema;
 use crate::signals::{fields, identifier};
 use crate::windows::Stream;
@@ -12,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use tremie_messages::start::Signal;
+use tremie_messages::start::{SentChannel, Signal};
 
 /// A chunk is closed when it holds this many bytes ..
 const CHUNK_BYTES: usize = 4 << 20;
@@ -27,6 +28,18 @@ const LIBRARY: &str = concat!("tremie-recorder ", env!("CARGO_PKG_VERSION"));
 pub const FRAMES: &str = "/frames";
 /// Key of a signal channel's metadata that holds the signals, as JSON.
 pub const SIGNALS: &str = "signals";
+/// Key of the metadata of a channel of hashes that holds the channels whose messages they are of, as
+/// JSON.
+pub const CHANNELS: &str = "channels";
+
+/// What a channel's schema and metadata say of its messages: signals, or hashed channels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Columns<'a> {
+    /// Signals of a stream of signals.
+    pub signals: &'a [Signal],
+    /// Channels of a stream of hashes.
+    pub channels: &'a [SentChannel],
+}
 
 /// How far a file was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,8 +113,8 @@ impl McapFile {
         Ok(())
     }
 
-    /// Makes sure that a stream's channel is there; `signals` of a signal stream.
-    fn announce(&mut self, stream: &Stream, signals: &[Signal]) -> McapResult<()> {
+    /// Makes sure that a stream's channel is there.
+    fn announce(&mut self, stream: &Stream, columns: Columns<'_>) -> McapResult<()> {
         let topic = topic(Some(stream));
         if self.channels.contains_key(&topic) {
             return Ok(());
@@ -115,18 +128,29 @@ impl McapFile {
             ),
             Stream::Signals(from) => {
                 let name = identifier(from);
-                let list = serde_json::to_string(signals).map_err(std::io::Error::other)?;
+                let list = serde_json::to_string(columns.signals).map_err(std::io::Error::other)?;
                 let metadata = BTreeMap::from([(SIGNALS.to_string(), list)]);
-                let schema = schema::signals(&name, &fields(signals));
+                let schema = schema::signals(&name, &fields(columns.signals));
                 self.add_channel(&topic, &format!("tremie.signals.{name}"), &schema, &metadata)
+            }
+            Stream::Hashes(from) => {
+                let name = identifier(from);
+                let list =
+                    serde_json::to_string(columns.channels).map_err(std::io::Error::other)?;
+                let metadata = BTreeMap::from([(CHANNELS.to_string(), list)]);
+                let schema = schema::hashes(&name, &hash_fields(columns.channels));
+                self.add_channel(&topic, &format!("tremie.hashes.{name}"), &schema, &metadata)
+            }
+            Stream::Messages(..) => {
+                self.add_channel(&topic, "tremie.Message", &schema::message(), &BTreeMap::new())
             }
         }
     }
 
-    /// Writes a message after its frame; `signals` of a signal stream.
-    pub fn write(&mut self, entry: Entry, signals: &[Signal]) -> McapResult<()> {
+    /// Writes a message after its frame; `columns` of its stream.
+    pub fn write(&mut self, entry: Entry, columns: Columns<'_>) -> McapResult<()> {
         if let Some(stream) = &entry.stream {
-            self.announce(stream, signals)?;
+            self.announce(stream, columns)?;
         }
         // The sequence starts again from 0 after its last number.
         let sequence = (self.extent.entries + self.open.len() as u64) as u32;
@@ -204,17 +228,17 @@ impl McapFile {
         Ok(())
     }
 
-    /// Puts the messages of the chunk that was open into a file that was copied so far. `signals` has
-    /// those of a stream of signals.
+    /// Puts the messages of the chunk that was open into a file that was copied so far. `columns` has
+    /// those of a stream.
     pub fn reopen_chunk<'a>(
         &mut self,
         windows: u32,
         entries: Vec<Entry>,
-        signals: impl Fn(&Stream) -> &'a [Signal],
+        columns: impl Fn(&Stream) -> Columns<'a>,
     ) -> McapResult<()> {
         for entry in entries {
-            let signals = entry.stream.as_ref().map_or(&[][..], &signals);
-            self.write(entry, signals)?;
+            let columns = entry.stream.as_ref().map_or(Columns::default(), &columns);
+            self.write(entry, columns)?;
         }
         self.extent.windows = windows;
         Ok(())

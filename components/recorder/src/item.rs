@@ -1,8 +1,10 @@
 //! A frame as it was recorded.
 
+use crate::entry::topic;
+use crate::windows::Stream;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
-use tremie_messages::start::Signal;
-use tremie_sdk::{Moment, Observer, ObserverError};
+use tremie_messages::start::{SentChannel, Signal};
+use tremie_sdk::{CopiedMessage, Moment, Observer, ObserverError};
 
 /// One call of an observer, as it was recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +51,28 @@ pub enum Item {
         /// Values.
         values: Vec<f64>,
     },
+    /// Hashes of the messages of a component.
+    Hashes {
+        /// Sender.
+        from: String,
+        /// When.
+        at: Moment,
+        /// Channels of the messages.
+        channels: Vec<SentChannel>,
+        /// A window and a hash for each channel, again and again.
+        rows: Vec<u64>,
+    },
+    /// A message between components.
+    Message {
+        /// Sender.
+        from: String,
+        /// When, with the stamp of the message but for the run's id.
+        at: Moment,
+        /// Its channel.
+        channel: SentChannel,
+        /// Its values as they lie in memory.
+        values: Vec<u8>,
+    },
     /// A line of the log.
     Log {
         /// When.
@@ -73,8 +97,27 @@ impl Item {
                 observer.slice(from, name, *at, header, nodes)
             }
             Item::Signals { from, at, names, values } => observer.signals(from, *at, names, values),
+            Item::Hashes { from, at, channels, rows } => observer.hashes(from, *at, channels, rows),
+            Item::Message { from, at, channel, values } => {
+                let message = CopiedMessage { channel: 0, stamp: at.stamp, values };
+                observer.messages(from, *at, std::slice::from_ref(channel), &[message])
+            }
             Item::Log { at, header, text } => observer.log(*at, header, text),
         }
+    }
+
+    /// Topic of the frame.
+    pub fn topic(&self) -> String {
+        let stream = match self {
+            Item::Bodies { from, .. } => Stream::Bodies(from.clone()),
+            Item::Surfaces { from, .. } => Stream::Surfaces(from.clone()),
+            Item::Slice { from, name, .. } => Stream::Cut(from.clone(), name.clone()),
+            Item::Signals { from, .. } => Stream::Signals(from.clone()),
+            Item::Hashes { from, .. } => Stream::Hashes(from.clone()),
+            Item::Message { from, channel, .. } => Stream::of_channel(from, channel),
+            Item::Log { .. } => return topic(None),
+        };
+        topic(Some(&stream))
     }
 
     /// Window of the frame.
@@ -83,7 +126,9 @@ impl Item {
             Item::Bodies { at, .. }
             | Item::Surfaces { at, .. }
             | Item::Slice { at, .. }
-            | Item::Signals { at, .. } => at.stamp.window,
+            | Item::Signals { at, .. }
+            | Item::Hashes { at, .. }
+            | Item::Message { at, .. } => at.stamp.window,
             // Lines of the log may speak of windows that were not recorded.
             Item::Log { .. } => 0,
         }
@@ -95,7 +140,9 @@ impl Item {
             Item::Bodies { at, .. }
             | Item::Surfaces { at, .. }
             | Item::Slice { at, .. }
-            | Item::Signals { at, .. } => at.time,
+            | Item::Signals { at, .. }
+            | Item::Hashes { at, .. }
+            | Item::Message { at, .. } => at.time,
             Item::Log { .. } => 0.0,
         }
     }

@@ -14,6 +14,8 @@
 //! | `/surfaces/<component>` | `foxglove.PointCloud` | one point for each vertex of the deformable surfaces: [`tremie_messages::frame::SurfaceSample`] as it is in memory (56 bytes) |
 //! | `/cuts/<component>/<name>` | `foxglove.PointCloud` | one point for each node: `x`, `y`, `z` (f32), [`tremie_messages::frame::SliceNode`] as it is in memory (32 bytes), then `speed` (f32) |
 //! | `/signals/<component>` | `tremie.signals.<component>` | one `double` field for each signal, by its name; units in the channel's metadata |
+//! | `/hashes/<component>` | `tremie.hashes.<component>` | a list of windows, and for each channel on which the component sends a list of the hashes of its messages ([`tremie_messages::start::FrameContent::Hashes`]) |
+//! | `/messages/<from>/<content>/<to>` | `tremie.Message` | with the setting `messages`: every message of that channel, its values as they are in memory ([`tremie_messages::schedule::Content`]) |
 //! | `/log` | `foxglove.Log` | lines of the log |
 //! | `/frames` | `tremie.Frame` | before each of the messages above: its topic, stamp and exact time; of a cut, its exact grid; of a line, its level |
 //!
@@ -57,11 +59,15 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod codec;
+mod comparison;
+mod differences;
 mod document;
 mod entry;
 mod file;
+mod hashes;
 mod item;
 mod parameters;
+mod player;
 mod proto;
 mod recorder;
 mod recording;
@@ -71,7 +77,10 @@ mod schema;
 mod signals;
 pub mod windows;
 
+pub use comparison::{Channel, Comparison, HashComparison, Place, compare};
+pub use differences::{Differences, FieldDifference, Number};
 pub use item::Item;
 pub use parameters::Parameters;
+pub use player::run_player;
 pub use recorder::{Recorder, run};
 pub use recording::{End, Items, ReadError, Recording};

@@ -13,11 +13,13 @@ pub struct Parameters {
     pub file: PathBuf,
     /// Level of compression (zstd), 1 (fast) to 19 (small).
     pub compression: u32,
+    /// Keep every message between components, too; `outputs.messages` says so to the built-in one.
+    pub messages: bool,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { file: "run.mcap".into(), compression: 3 }
+        Self { file: "run.mcap".into(), compression: 3, messages: false }
     }
 }
 

@@ -100,6 +100,21 @@ pub enum Level {
     Fatal = 5,
 }
 
+/// `tremie.Message`: a message between components, its values as they lie in memory.
+#[derive(Clone, PartialEq, Message)]
+pub struct WholeMessage {
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// Type of its values.
+    #[prost(string, tag = "2")]
+    pub r#type: String,
+    /// Number of its values.
+    #[prost(uint64, tag = "3")]
+    pub count: u64,
+    #[prost(bytes = "vec", tag = "4")]
+    pub values: Vec<u8>,
+}
+
 /// `tremie.Frame`: what the next message is.
 #[derive(Clone, PartialEq, Message)]
 pub struct Frame {

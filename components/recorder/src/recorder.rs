@@ -3,25 +3,26 @@
 use crate::codec::{encode_bodies, encode_grid, encode_nodes, encode_vertices};
 use crate::document::RunNote;
 use crate::entry::{Entry, exchange_entries, topic};
-use crate::file::{Extent, McapFile};
+use crate::file::{Columns, Extent, McapFile};
+use crate::hashes::encode_hashes;
 use crate::parameters::Parameters;
-use crate::proto::{Frame, Level, Log, timestamp};
+use crate::proto::{Frame, Level, Log, WholeMessage, timestamp};
 use crate::resumption::Beginning;
 use crate::signals::{bytes, encode};
 use crate::windows::{Progress, Stream};
 use std::collections::BTreeMap;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
-use tremie_messages::start::{Description, Signal, Watches};
+use tremie_messages::start::{Clock, Description, SentChannel, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
-use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup};
+use tremie_sdk::{AsObserver, ControlPipe, CopiedMessage, Moment, Observer, ObserverError, Setup};
 
 /// Most windows that wait to become whole. Coupled components are a few windows apart and a stream
 /// holds a few frames: in good order this is never reached, and a file of equal runs stays equal.
 const MOST_WAITING: usize = 64;
 
 /// Version of the recorder's states.
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 /// Writes a run to MCAP.
 pub struct Recorder {
@@ -29,9 +30,11 @@ pub struct Recorder {
     file: Option<McapFile>,
     beginning: Beginning,
     name: String,
+    clock: Clock,
     progress: Progress,
     names: BTreeMap<Stream, Vec<Signal>>,
-    waiting: BTreeMap<u64, BTreeMap<Stream, Entry>>,
+    hashed: BTreeMap<Stream, Vec<SentChannel>>,
+    waiting: BTreeMap<u64, BTreeMap<Stream, Vec<Entry>>>,
     lines: Vec<Entry>,
     written: Option<u64>,
     frames: u64,
@@ -67,9 +70,16 @@ fn frame(at: Moment, stream: Option<&Stream>) -> Frame {
     }
 }
 
-/// Signals of a stream of signals; none of another.
-fn signals_of<'a>(names: &'a BTreeMap<Stream, Vec<Signal>>, stream: &Stream) -> &'a [Signal] {
-    names.get(stream).map_or(&[], Vec::as_slice)
+/// What a stream's channel says of its messages, from what is known of all streams.
+fn columns_of<'a>(
+    names: &'a BTreeMap<Stream, Vec<Signal>>,
+    hashed: &'a BTreeMap<Stream, Vec<SentChannel>>,
+    stream: &Stream,
+) -> Columns<'a> {
+    Columns {
+        signals: names.get(stream).map_or(&[], Vec::as_slice),
+        channels: hashed.get(stream).map_or(&[], Vec::as_slice),
+    }
 }
 
 impl Recorder {
@@ -83,8 +93,18 @@ impl Recorder {
     ) -> Result<(), ObserverError> {
         let window = frame.window;
         self.progress.arrived(&stream, window);
+        self.keep(stream, frame, time, data);
+        self.write_due()
+    }
+
+    /// Keeps a message until its window is whole.
+    fn keep(&mut self, stream: Stream, frame: &Frame, time: u64, data: Vec<u8>) {
         let entry = Entry::new(Some(stream.clone()), frame, time, data);
-        self.waiting.entry(window).or_default().insert(stream, entry);
+        self.waiting.entry(frame.window).or_default().entry(stream).or_default().push(entry);
+    }
+
+    /// Writes windows that became whole.
+    fn write_due(&mut self) -> Result<(), ObserverError> {
         while let Some((window, entries)) = self.next_due() {
             self.write(window, entries)?;
         }
@@ -93,7 +113,7 @@ impl Recorder {
 
     /// The oldest waiting window, if it is whole, or if too many wait: a stream that has ended must
     /// not make all others pile up.
-    fn next_due(&mut self) -> Option<(u64, BTreeMap<Stream, Entry>)> {
+    fn next_due(&mut self) -> Option<(u64, BTreeMap<Stream, Vec<Entry>>)> {
         let waiting = self.waiting.len();
         let first = self.waiting.first_entry()?;
         let is_whole = self.progress.is_whole(*first.key());
@@ -109,13 +129,16 @@ impl Recorder {
     fn write(
         &mut self,
         window: u64,
-        entries: BTreeMap<Stream, Entry>,
+        entries: BTreeMap<Stream, Vec<Entry>>,
     ) -> Result<(), ObserverError> {
         let file = self.file.as_mut().ok_or_else(closed)?;
         let failed = |error| ObserverError::output(&self.beginning.path, &error);
-        for (stream, entry) in entries {
-            file.write(entry, signals_of(&self.names, &stream)).map_err(failed)?;
-            self.frames += 1;
+        for (stream, entries) in entries {
+            let columns = columns_of(&self.names, &self.hashed, &stream);
+            self.frames += entries.len() as u64;
+            for entry in entries {
+                file.write(entry, columns).map_err(failed)?;
+            }
         }
         self.written = Some(window);
         file.end_window().map_err(failed)
@@ -126,12 +149,18 @@ impl Observer for Recorder {
     const PROGRAM: &'static str = concat!("recorder ", env!("CARGO_PKG_VERSION"));
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        setup.parameters::<Parameters>()?.check()?;
+        let parameters = setup.parameters::<Parameters>()?;
+        parameters.check()?;
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
             state: Some(STATE_VERSION),
-            watches: Watches { surfaces: true, ..Watches::default() },
+            watches: Watches {
+                surfaces: true,
+                hashes: true,
+                messages: parameters.messages,
+                ..Watches::default()
+            },
             ..Description::default()
         })
     }
@@ -149,8 +178,10 @@ impl Observer for Recorder {
             file,
             beginning,
             name: parameters.file.display().to_string(),
+            clock: assignment.clock,
             progress: Progress::new(&assignment.frames),
             names: BTreeMap::new(),
+            hashed: BTreeMap::new(),
             waiting: BTreeMap::new(),
             lines: Vec::new(),
             written: None,
@@ -160,7 +191,7 @@ impl Observer for Recorder {
     }
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        let Self { file, beginning, names, progress, waiting, lines, .. } = self;
+        let Self { file, beginning, names, hashed, progress, waiting, lines, .. } = self;
         let mut reached = match file {
             _ if state.restores() => Extent::default(),
             Some(file) => file.extent(),
@@ -172,10 +203,11 @@ impl Observer for Recorder {
         state.value("file", &mut reached)?;
         let open = file.iter().flat_map(McapFile::open_entries);
         let open = exchange_entries(state, "open", open)?;
-        let entries = waiting.values().flat_map(BTreeMap::values);
+        let entries = waiting.values().flat_map(BTreeMap::values).flatten();
         let entries = exchange_entries(state, "waiting", entries)?;
         let log = exchange_entries(state, "log", lines.iter())?;
         state.value("signals", names)?;
+        state.value("hashed", hashed)?;
         state.within("progress", |state| progress.exchange_state(state))?;
         state.value("written", &mut self.written)?;
         state.value("frames", &mut self.frames)?;
@@ -185,9 +217,11 @@ impl Observer for Recorder {
             waiting.clear();
             for entry in entries {
                 let Some(stream) = entry.stream.clone() else { continue };
-                waiting.entry(entry.window).or_default().insert(stream, entry);
+                let window = waiting.entry(entry.window).or_default();
+                window.entry(stream).or_default().push(entry);
             }
-            *file = Some(beginning.resume(&reached, open, |stream| signals_of(names, stream))?);
+            let columns = |stream: &Stream| columns_of(names, hashed, stream);
+            *file = Some(beginning.resume(&reached, open, columns)?);
         }
         Ok(())
     }
@@ -250,6 +284,52 @@ impl Observer for Recorder {
         self.take(stream, &frame, time, data)
     }
 
+    fn hashes(
+        &mut self,
+        from: &str,
+        at: Moment,
+        channels: &[SentChannel],
+        rows: &[u64],
+    ) -> Result<(), ObserverError> {
+        let stream = Stream::Hashes(from.into());
+        if !self.hashed.contains_key(&stream) {
+            self.hashed.insert(stream.clone(), channels.to_vec());
+        }
+        let time = nanoseconds(at);
+        let data = encode_hashes(time, channels.len(), rows);
+        let frame = frame(at, Some(&stream));
+        self.take(stream, &frame, time, data)
+    }
+
+    fn messages(
+        &mut self,
+        from: &str,
+        at: Moment,
+        channels: &[SentChannel],
+        messages: &[CopiedMessage<'_>],
+    ) -> Result<(), ObserverError> {
+        for CopiedMessage { channel, stamp, values } in messages {
+            let Some(channel) = channels.get(*channel) else { continue };
+            let stream = Stream::of_channel(from, channel);
+            let at = Moment { stamp: *stamp, time: self.clock.seconds(stamp.ticks) };
+            let time = nanoseconds(at);
+            let (name, size) = channel.content.value_type();
+            let whole = WholeMessage {
+                timestamp: Some(timestamp(time)),
+                r#type: name.into(),
+                count: (values.len() / size) as u64,
+                values: values.to_vec(),
+            };
+            let frame = frame(at, Some(&stream));
+            self.keep(stream, &frame, time, bytes(&whole));
+        }
+        // Also of channels without a message in this window.
+        for channel in channels {
+            self.progress.arrived(&Stream::of_channel(from, channel), at.stamp.window);
+        }
+        self.write_due()
+    }
+
     fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError> {
         let level = match header.level {
             LogHeader::ERROR => Level::Error,
@@ -276,7 +356,7 @@ impl Observer for Recorder {
         let mut file = self.file.take().ok_or_else(closed)?;
         let failed = |error| ObserverError::output(&self.beginning.path, &error);
         for line in std::mem::take(&mut self.lines) {
-            file.write(line, &[]).map_err(failed)?;
+            file.write(line, Columns::default()).map_err(failed)?;
         }
         file.finish(last_common_window).map_err(failed)?;
         let dropped = match beyond.len() {

@@ -3,9 +3,10 @@
 use crate::codec::{decode_bodies, decode_grid, decode_nodes, decode_vertices};
 use crate::document::{END, RUN, RunNote};
 use crate::entry::LOG;
-use crate::file::{FRAMES, SIGNALS};
+use crate::file::{CHANNELS, FRAMES, SIGNALS};
+use crate::hashes::decode_hashes;
 use crate::item::Item;
-use crate::proto::{Frame, Log, PointCloud};
+use crate::proto::{Frame, Log, PointCloud, WholeMessage};
 use crate::records::Records;
 use crate::signals::decode;
 use mcap::McapError;
@@ -16,7 +17,8 @@ use std::fs::File;
 use std::path::Path;
 use tremie_messages::Stamp;
 use tremie_messages::frame::{LogHeader, SliceHeader};
-use tremie_messages::start::Signal;
+use tremie_messages::schedule::Content;
+use tremie_messages::start::{Clock, FrameContent, SentChannel, Signal};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 
 /// Why a recording cannot be read.
@@ -104,6 +106,26 @@ impl Recording {
         self.items
     }
 
+    /// Those frames of whose topics `wanted` says so; the others are not decoded.
+    pub fn items_of(self, wanted: impl Fn(&str) -> bool + 'static) -> Items {
+        Items { wanted: Box::new(wanted), ..self.items }
+    }
+
+    /// Ticks and windows of the run.
+    pub fn clock(&self) -> Clock {
+        self.run.clock()
+    }
+
+    /// True if every message of a component is in it, as its beginning says.
+    pub fn has_messages(&self, from: &str) -> bool {
+        self.run.sends(from, |content| matches!(content, FrameContent::Messages(_)))
+    }
+
+    /// True if hashes of some component's messages are in it, as its beginning says.
+    pub fn has_hashes(&self) -> bool {
+        self.run.has(|content| matches!(content, FrameContent::Hashes(_)))
+    }
+
     /// Plays all frames to an observer. Closing it is up to the caller.
     ///
     /// # Errors
@@ -130,19 +152,57 @@ impl Recording {
     }
 }
 
+/// A topic, with what its metadata say of its messages.
+struct Topic {
+    name: String,
+    signals: Vec<Signal>,
+    channels: Vec<SentChannel>,
+    is_wanted: bool,
+}
+
+impl Topic {
+    /// Of a channel of the file.
+    fn new(
+        channel: mcap::records::Channel,
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<Self, ReadError> {
+        let list = |key: &str| channel.metadata.get(key).map_or("[]", String::as_str);
+        let unreadable =
+            |_| ReadError::Foreign(format!("the columns of {} are unreadable", channel.topic));
+        Ok(Self {
+            signals: serde_json::from_str(list(SIGNALS)).map_err(unreadable)?,
+            channels: serde_json::from_str(list(CHANNELS)).map_err(unreadable)?,
+            is_wanted: channel.topic == FRAMES || wanted(&channel.topic),
+            name: channel.topic,
+        })
+    }
+}
+
 /// Frames of a recording.
 pub struct Items {
     records: Records,
-    channels: BTreeMap<u16, (String, Vec<Signal>)>,
+    topics: BTreeMap<u16, Topic>,
+    wanted: Box<dyn Fn(&str) -> bool>,
     frame: Option<Frame>,
     last: u64,
     time: f64,
     end: Option<u64>,
+    /// The end of the file was reached.
+    is_read: bool,
 }
 
 impl Items {
     fn new(records: Records) -> Self {
-        Self { records, channels: BTreeMap::new(), frame: None, last: 0, time: 0.0, end: None }
+        Self {
+            records,
+            topics: BTreeMap::new(),
+            wanted: Box::new(|_| true),
+            frame: None,
+            last: 0,
+            time: 0.0,
+            end: None,
+            is_read: false,
+        }
     }
 
     /// End of the recording; known once all items were taken.
@@ -154,15 +214,16 @@ impl Items {
         }
     }
 
+    /// The same, if all items were taken.
+    pub fn reached(&self) -> Option<End> {
+        self.is_read.then(|| self.end())
+    }
+
     fn advance(&mut self) -> Result<Option<Item>, ReadError> {
         while let Some(record) = self.records.next()? {
             match record {
                 Record::Channel(channel) => {
-                    let list = channel.metadata.get(SIGNALS).map_or("[]", String::as_str);
-                    let signals = serde_json::from_str(list).map_err(|_| {
-                        ReadError::Foreign(format!("signals of {} are unreadable", channel.topic))
-                    })?;
-                    self.channels.insert(channel.id, (channel.topic, signals));
+                    self.topics.insert(channel.id, Topic::new(channel, &self.wanted)?);
                 }
                 Record::Metadata(metadata) if metadata.name == END => {
                     self.end = metadata
@@ -180,25 +241,27 @@ impl Items {
                 _ => {}
             }
         }
+        self.is_read = true;
         Ok(None)
     }
 
     /// A frame is kept until its message comes.
     fn message(&mut self, channel: u16, data: &[u8]) -> Result<Option<Item>, ReadError> {
-        let Some((topic, signals)) = self.channels.get(&channel) else {
+        let Some(topic) = self.topics.get(&channel).filter(|topic| topic.is_wanted) else {
             return Ok(None);
         };
-        if topic == FRAMES {
+        if topic.name == FRAMES {
             let damaged = |_| ReadError::Damaged { topic: FRAMES.into(), window: self.last };
             self.frame = Some(Frame::decode(data).map_err(damaged)?);
             return Ok(None);
         }
         // Messages that another program added have no frame: they are not ours to read.
-        let Some(frame) = self.frame.take_if(|frame| frame.topic == *topic) else {
+        let Some(frame) = self.frame.take_if(|frame| frame.topic == topic.name) else {
             return Ok(None);
         };
-        let (topic, window) = (topic.clone(), frame.window);
-        item(frame, signals, data).map(Some).ok_or(ReadError::Damaged { topic, window })
+        let window = frame.window;
+        let damaged = || ReadError::Damaged { topic: topic.name.clone(), window };
+        item(frame, topic, data).map(Some).ok_or_else(damaged)
     }
 }
 
@@ -223,7 +286,7 @@ fn moment(frame: &Frame) -> Moment {
 }
 
 /// A frame and its message; `None` if the message is not what the topic says.
-fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
+fn item(frame: Frame, topic: &Topic, data: &[u8]) -> Option<Item> {
     let at = moment(&frame);
     let cloud = || PointCloud::decode(data).ok();
     let mut parts = frame.topic.trim_start_matches('/').splitn(3, '/');
@@ -243,9 +306,22 @@ fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
         "signals" => Item::Signals {
             from: from.into(),
             at,
-            names: signals.to_vec(),
-            values: decode(data, signals.len()).ok()?,
+            names: topic.signals.clone(),
+            values: decode(data, topic.signals.len()).ok()?,
         },
+        "hashes" => Item::Hashes {
+            from: from.into(),
+            at,
+            channels: topic.channels.clone(),
+            rows: decode_hashes(data, topic.channels.len()).ok()?,
+        },
+        "messages" => {
+            let (content, to) = name?.split_once('/')?;
+            let (content, to) = (Content::named(content)?, to.to_string());
+            let values = WholeMessage::decode(data).ok()?.values;
+            let channel = SentChannel { content, to };
+            Item::Message { from: from.into(), at, channel, values }
+        }
         _ if frame.topic == LOG => Item::Log {
             at,
             header: LogHeader { stamp: at.stamp, level: frame.level },

@@ -7,7 +7,7 @@
 
 use crate::document::RUN;
 use crate::entry::Entry;
-use crate::file::{Extent, Known, McapFile};
+use crate::file::{Columns, Extent, Known, McapFile};
 use crate::records::Records;
 use crate::windows::Stream;
 use mcap::read::ChunkReader;
@@ -16,7 +16,6 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use tremie_messages::start::Signal;
 use tremie_sdk::state::StateError;
 use tremie_sdk::{ObserverError, kept_file, own_file, sync};
 
@@ -51,8 +50,8 @@ impl Beginning {
         self.path.parent().filter(|folder| *folder != Path::new("")).map_or(Ok(()), sync)
     }
 
-    /// Goes on with the file of the run before, whose open chunk held `open`; `signals` has those of a
-    /// stream of signals.
+    /// Goes on with the file of the run before, whose open chunk held `open`; `columns` has those of a
+    /// stream.
     ///
     /// # Errors
     /// If the file is not there, or not as it was.
@@ -60,7 +59,7 @@ impl Beginning {
         &mut self,
         reached: &Extent,
         open: Vec<Entry>,
-        signals: impl Fn(&Stream) -> &'a [Signal],
+        columns: impl Fn(&Stream) -> Columns<'a>,
     ) -> Result<McapFile, StateError> {
         let old = kept_file(&self.path, 0)?;
         // Nobody else may have the old file before the new one has its name.
@@ -73,7 +72,7 @@ impl Beginning {
             sync(&beside)?;
             std::fs::rename(&beside, &path).map_err(|error| self.unfit(&error))?;
             path.parent().map_or(Ok(()), sync)?;
-            let reopened = file.reopen_chunk(reached.windows, open, signals);
+            let reopened = file.reopen_chunk(reached.windows, open, columns);
             reopened.map_err(|error| self.unfit(&error))?;
             Ok(file)
         });

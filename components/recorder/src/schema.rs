@@ -41,7 +41,7 @@ fn field((name, number, kind): &Field) -> FieldDescriptorProto {
     }
 }
 
-fn message(name: &str, fields: &[Field]) -> DescriptorProto {
+fn described(name: &str, fields: &[Field]) -> DescriptorProto {
     DescriptorProto {
         name: Some(name.into()),
         field: fields.iter().map(field).collect(),
@@ -80,7 +80,7 @@ fn file(
 
 fn timestamp_file() -> FileDescriptorProto {
     let fields = [("seconds", 1, Kind::One(Type::Int64)), ("nanos", 2, Kind::One(Type::Int32))];
-    file(TIMESTAMP_FILE, "google.protobuf", &[], vec![message("Timestamp", &fields)])
+    file(TIMESTAMP_FILE, "google.protobuf", &[], vec![described("Timestamp", &fields)])
 }
 
 fn set(files: Vec<FileDescriptorProto>) -> Vec<u8> {
@@ -93,7 +93,7 @@ fn doubles<'a>(names: &[&'a str]) -> Vec<Field<'a>> {
 
 /// `foxglove.PointCloud`.
 pub fn point_cloud() -> Vec<u8> {
-    let mut packed = message(
+    let mut packed = described(
         "PackedElementField",
         &[
             ("name", 1, Kind::One(Type::String)),
@@ -115,14 +115,14 @@ pub fn point_cloud() -> Vec<u8> {
             ("FLOAT64", 8),
         ],
     ));
-    let pose = message(
+    let pose = described(
         "Pose",
         &[
             ("position", 1, Kind::Sub(".foxglove.Vector3")),
             ("orientation", 2, Kind::Sub(".foxglove.Quaternion")),
         ],
     );
-    let cloud = message(
+    let cloud = described(
         "PointCloud",
         &[
             ("timestamp", 1, Kind::Sub(TIMESTAMP)),
@@ -134,8 +134,8 @@ pub fn point_cloud() -> Vec<u8> {
         ],
     );
     let messages = vec![
-        message("Vector3", &doubles(&["x", "y", "z"])),
-        message("Quaternion", &doubles(&["x", "y", "z", "w"])),
+        described("Vector3", &doubles(&["x", "y", "z"])),
+        described("Quaternion", &doubles(&["x", "y", "z", "w"])),
         pose,
         packed,
         cloud,
@@ -148,7 +148,7 @@ pub fn point_cloud() -> Vec<u8> {
 
 /// `foxglove.Log`.
 pub fn log() -> Vec<u8> {
-    let mut log = message(
+    let mut log = described(
         "Log",
         &[
             ("timestamp", 1, Kind::Sub(TIMESTAMP)),
@@ -171,7 +171,7 @@ pub fn log() -> Vec<u8> {
 
 /// `tremie.Frame`.
 pub fn frame() -> Vec<u8> {
-    let grid = message(
+    let grid = described(
         "Grid",
         &[
             ("origin", 1, Kind::Many(Type::Double)),
@@ -180,7 +180,7 @@ pub fn frame() -> Vec<u8> {
             ("count", 4, Kind::Many(Type::Uint64)),
         ],
     );
-    let frame = message(
+    let frame = described(
         "Frame",
         &[
             ("timestamp", 1, Kind::Sub(TIMESTAMP)),
@@ -201,6 +201,35 @@ pub fn frame() -> Vec<u8> {
     ])
 }
 
+/// `tremie.Message`.
+pub fn message() -> Vec<u8> {
+    let fields = [
+        ("timestamp", 1, Kind::Sub(TIMESTAMP)),
+        ("type", 2, Kind::One(Type::String)),
+        ("count", 3, Kind::One(Type::Uint64)),
+        ("values", 4, Kind::One(Type::Bytes)),
+    ];
+    let whole = described("Message", &fields);
+    set(vec![
+        timestamp_file(),
+        file("tremie/Message.proto", "tremie", &[TIMESTAMP_FILE], vec![whole]),
+    ])
+}
+
+/// `tremie.hashes.<name>` with a list of windows, and one of hashes for each field, numbered from 3.
+pub fn hashes(name: &str, fields: &[String]) -> Vec<u8> {
+    let mut all: Vec<Field> =
+        vec![("timestamp", 1, Kind::Sub(TIMESTAMP)), ("window", 2, Kind::Many(Type::Uint64))];
+    all.extend(
+        fields.iter().zip(3..).map(|(field, n)| (field.as_str(), n, Kind::Many(Type::Fixed64))),
+    );
+    let path = format!("tremie/hashes/{name}.proto");
+    set(vec![
+        timestamp_file(),
+        file(&path, "tremie.hashes", &[TIMESTAMP_FILE], vec![described(name, &all)]),
+    ])
+}
+
 /// `tremie.signals.<name>` with one double for each field, numbered from 2.
 pub fn signals(name: &str, fields: &[String]) -> Vec<u8> {
     let mut all: Vec<Field> = vec![("timestamp", 1, Kind::Sub(TIMESTAMP))];
@@ -210,7 +239,7 @@ pub fn signals(name: &str, fields: &[String]) -> Vec<u8> {
     let path = format!("tremie/signals/{name}.proto");
     set(vec![
         timestamp_file(),
-        file(&path, "tremie.signals", &[TIMESTAMP_FILE], vec![message(name, &all)]),
+        file(&path, "tremie.signals", &[TIMESTAMP_FILE], vec![described(name, &all)]),
     ])
 }
 
@@ -284,6 +313,12 @@ mod tests {
             level: 1,
             grid: Some(grid.clone()),
         };
+        let whole = proto::WholeMessage {
+            timestamp: time,
+            r#type: "f64".into(),
+            count: 1,
+            values: vec![1],
+        };
         let line = proto::Log { timestamp: time, level: 1, message: "a".into(), name: "b".into() };
         describes(&point_cloud(), "Vector3", &vector);
         describes(&point_cloud(), "Quaternion", &quaternion);
@@ -293,5 +328,6 @@ mod tests {
         describes(&super::frame(), "Grid", &grid);
         describes(&super::frame(), "Frame", &frame);
         describes(&log(), "Log", &line);
+        describes(&message(), "Message", &whole);
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use tremie_messages::start::{FrameContent, FrameStream};
+use tremie_messages::schedule::Content;
+use tremie_messages::start::{FrameContent, FrameStream, SentChannel};
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 
 /// A component that has completed this many windows more has seen the others complete one: coupled
@@ -22,6 +23,33 @@ pub enum Stream {
     Cut(String, String),
     /// Signals.
     Signals(String),
+    /// Hashes of messages.
+    Hashes(String),
+    /// Messages, by sender, content and receiver.
+    Messages(String, Content, String),
+}
+
+impl Stream {
+    /// Messages from a component on a channel.
+    pub fn of_channel(from: &str, channel: &SentChannel) -> Self {
+        Self::Messages(from.into(), channel.content, channel.to.clone())
+    }
+
+    /// The streams that frames of a content from a component belong to.
+    fn of_content(from: &str, content: &FrameContent) -> Vec<Self> {
+        let sender = from.to_string();
+        match content {
+            FrameContent::Bodies => vec![Self::Bodies(sender)],
+            FrameContent::Surfaces => vec![Self::Surfaces(sender)],
+            FrameContent::Slice(name) => vec![Self::Cut(sender, name.clone())],
+            FrameContent::Signals(_) => vec![Self::Signals(sender)],
+            FrameContent::Hashes(_) => vec![Self::Hashes(sender)],
+            FrameContent::Messages(channels) => {
+                channels.iter().map(|channel| Self::of_channel(from, channel)).collect()
+            }
+            FrameContent::Log | FrameContent::Volume(_) | FrameContent::Profile(_) => Vec::new(),
+        }
+    }
 }
 
 /// Follows the lossless streams.
@@ -35,18 +63,9 @@ pub struct Progress {
 impl Progress {
     /// Of these streams; those that may lose frames are waited for by nobody.
     pub fn new(frames: &[FrameStream]) -> Self {
-        let due = frames.iter().filter(|frame| frame.lossless).filter_map(|frame| {
-            let from = frame.from.clone();
-            let stream = match &frame.content {
-                FrameContent::Bodies => Stream::Bodies(from),
-                FrameContent::Surfaces => Stream::Surfaces(from),
-                FrameContent::Slice(name) => Stream::Cut(from, name.clone()),
-                FrameContent::Signals(_) => Stream::Signals(from),
-                FrameContent::Log | FrameContent::Volume(_) | FrameContent::Profile(_) => {
-                    return None;
-                }
-            };
-            Some((stream, (frame.every.max(1), 0)))
+        let due = frames.iter().filter(|frame| frame.lossless).flat_map(|frame| {
+            let streams = Stream::of_content(&frame.from, &frame.content);
+            streams.into_iter().map(|stream| (stream, (frame.every.max(1), 0)))
         });
         Self { due: due.collect(), newest: 0 }
     }

@@ -3,7 +3,8 @@
 use std::path::Path;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::scene::{Domain, Face, Scene};
-use tremie_messages::start::{Clock, FrameContent, FrameStream, Signal};
+use tremie_messages::schedule::Content;
+use tremie_messages::start::{Clock, FrameContent, FrameStream, SentChannel, Signal};
 use tremie_messages::{BodyState, Stamp, SurfaceVertex};
 use tremie_recorder::{End, Item, ReadError, Recorder, Recording};
 use tremie_sdk::{Moment, Observer, Setup};
@@ -163,6 +164,44 @@ fn deformable_surfaces_come_back_too() {
         (0..=5).flat_map(|w| [bodies(w, 3), surfaces(w), slice(w, [6, 4]), signals(w)]).collect();
     write(folder.path(), 1, &items, 5);
     assert_eq!(read(folder.path()).0, items);
+}
+
+#[test]
+fn hashes_and_messages_come_back_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let channel = |content| SentChannel { content, to: "fluid".into() };
+    let hashes = |window: u64| Item::Hashes {
+        from: "grains".into(),
+        at: moment(window),
+        channels: vec![channel(Content::Events), channel(Content::State)],
+        rows: vec![2 * window, 0, u64::MAX, 2 * window + 1, window << 40, 7],
+    };
+    let message = |window: u64, content, values: &[u8]| {
+        let at = moment(window);
+        // Messages inside a window have times of their own.
+        let time = setup(folder.path(), 1).assignment.unwrap().clock.seconds(at.stamp.ticks);
+        let (at, values) = (Moment { time, ..at }, values.to_vec());
+        Item::Message { from: "grains".into(), at, channel: channel(content), values }
+    };
+    let window = |w| {
+        let state = [1_u64, w].map(u64::to_le_bytes).concat();
+        let first = [bodies(w, 3), slice(w, [6, 4]), signals(w), hashes(w)];
+        let then = [message(w, Content::Events, &[]), message(w, Content::State, &state)];
+        first.into_iter().chain(then)
+    };
+    let items: Vec<_> = (0..=5).flat_map(window).collect();
+    write(folder.path(), 1, &items, 5);
+    assert_eq!(read(folder.path()).0, items);
+
+    let bytes = std::fs::read(folder.path().join("run.mcap")).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let schema = |topic: &str| {
+        let mut channels = summary.channels.values();
+        let channel = channels.find(|channel| channel.topic == topic).unwrap();
+        channel.schema.as_ref().unwrap().name.clone()
+    };
+    assert_eq!(schema("/hashes/grains"), "tremie.hashes.grains");
+    assert_eq!(schema("/messages/grains/state/fluid"), "tremie.Message");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::line::ControlPipe;
 use crate::roles::SolverError;
+use crate::sent::{SentMessages, SharedSentMessages};
 use crate::stop::Stop;
 use std::time::{Duration, Instant, SystemTime};
 use tremie_channels::{
@@ -60,6 +61,8 @@ pub struct Context<S: ChannelMedium> {
     pub substeps: u32,
     /// Time spent in this window.
     pub spent: Spent,
+    /// Messages that it has sent, for observers.
+    pub sent: SharedSentMessages,
     /// Shared memory.
     pub attachment: Attachment<S>,
     bell: Bell<S>,
@@ -95,6 +98,7 @@ impl<S: ChannelMedium> Context<S> {
                 window: 0,
                 substeps: 0,
                 spent: Spent::default(),
+                sent: SentMessages::new(component, &assignment).into(),
                 attachment,
                 bell,
                 credit,

@@ -2,10 +2,12 @@
 //! cost.
 
 use crate::context::Context;
+use crate::sent::SentMessages;
 use crate::stop::Stop;
 use tremie_channels::{ChannelError, ChannelMedium, ChannelSpec, Ringer, Sender};
 use tremie_messages::frame::{
-    BodySample, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+    BodySample, MessagesHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
+    VolumeHeader,
 };
 use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
 use tremie_messages::units::wait;
@@ -19,6 +21,8 @@ enum Stream<S: ChannelMedium> {
     Volume(VolumeGrid, Sender<S, VolumeHeader, SliceNode>),
     Profile(String, Sender<S, ProfileHeader, ProfileBin>),
     Signals(Sender<S, Stamp, f64>),
+    Hashes(Sender<S, Stamp, u64>),
+    Messages(Sender<S, MessagesHeader, u8>),
 }
 
 struct Outlet<S: ChannelMedium> {
@@ -99,6 +103,12 @@ impl<S: ChannelMedium> Frames<S> {
                 FrameContent::Signals(_) => {
                     Stream::Signals(open.sender_with_patience(spec, patience)?)
                 }
+                FrameContent::Hashes(_) => {
+                    Stream::Hashes(open.sender_with_patience(spec, patience)?)
+                }
+                FrameContent::Messages(_) => {
+                    Stream::Messages(open.sender_with_patience(spec, patience)?)
+                }
                 FrameContent::Log => continue,
             };
             outlets.push(Outlet {
@@ -130,16 +140,25 @@ impl<S: ChannelMedium> Frames<S> {
         shown: &mut impl FrameSource,
         signals: &[f64],
     ) {
+        // Taken out while frames take from it; nothing is sent between components meanwhile.
+        let mut sent = context.sent.take();
+        let mut have_rows = false;
         for index in 0..self.outlets.len() {
             if self.outlets[index].is_due(context.window, shown) {
-                self.send_one(index, context, shown, signals);
+                have_rows |= matches!(self.outlets[index].stream, Stream::Hashes(_));
+                self.send_one(index, context, shown, (signals, &sent));
             }
         }
+        if have_rows {
+            sent.forget_rows();
+        }
+        sent.forget_copies();
+        context.sent.replace(sent);
     }
 
     /// Where a run goes on: sends a frame of each stream, so that observers' ends of the channels begin.
     /// Observers that go on, too, have seen the window. Signals have no values, and profiles no
-    /// samples: to measure them again would change what comes next.
+    /// samples: to measure them again would change what comes next. No message is told again.
     pub fn send_again(
         &mut self,
         context: &mut Context<S>,
@@ -147,10 +166,11 @@ impl<S: ChannelMedium> Frames<S> {
         signals: usize,
     ) {
         let values = vec![f64::NAN; signals];
+        let more = (&values[..], &SentMessages::default());
         for index in 0..self.outlets.len() {
             match &self.outlets[index].stream {
-                Stream::Profile(..) => self.send_one(index, context, &mut NoProfile, &values),
-                _ => self.send_one(index, context, shown, &values),
+                Stream::Profile(..) => self.send_one(index, context, &mut NoProfile, more),
+                _ => self.send_one(index, context, shown, more),
             }
         }
     }
@@ -163,27 +183,30 @@ impl<S: ChannelMedium> Frames<S> {
         shown: &mut impl FrameSource,
         signals: &[f64],
     ) {
+        let sent = context.sent.take();
         for index in 0..self.outlets.len() {
             let outlet = &self.outlets[index];
             if outlet.sent != Some(context.window) && outlet.has_last(shown) {
-                self.send_one(index, context, shown, signals);
+                self.send_one(index, context, shown, (signals, &sent));
             }
         }
     }
 
+    /// Sends a frame of outlet `index`; `more` is what a component shows besides its solver: values of
+    /// signals, and the messages that it has sent.
     fn send_one(
         &mut self,
         index: usize,
         context: &mut Context<S>,
         shown: &mut impl FrameSource,
-        signals: &[f64],
+        more: (&[f64], &SentMessages),
     ) {
         let outlet = &mut self.outlets[index];
         if outlet.broken {
             return;
         }
         outlet.sent = Some(context.window);
-        let sent = outlet.send(context.stamp(context.window), shown, signals);
+        let sent = outlet.send(context.stamp(context.window), shown, more);
         if let Err(error) = sent.and_then(|()| outlet.ringer.ring()) {
             self.give_up(index, &error, context);
         }
@@ -226,10 +249,23 @@ impl<S: ChannelMedium> Outlet<S> {
         &self,
         stamp: Stamp,
         shown: &mut impl FrameSource,
-        signals: &[f64],
+        (signals, sent): (&[f64], &SentMessages),
     ) -> Result<(), ChannelError> {
         match &self.stream {
             Stream::Signals(sender) => sender.send_copy(stamp, signals),
+            Stream::Hashes(sender) => sender.send_copy(stamp, sent.rows()),
+            Stream::Messages(sender) => {
+                let mut rest = sent.copies();
+                loop {
+                    let piece;
+                    (piece, rest) = rest.split_at(rest.len().min(self.plan.capacity as usize));
+                    let more = u64::from(!rest.is_empty());
+                    sender.send_copy(MessagesHeader { stamp, more }, piece)?;
+                    if rest.is_empty() {
+                        return Ok(());
+                    }
+                }
+            }
             Stream::Surfaces(sender) => {
                 let mut loan = sender.loan(self.plan.capacity as usize)?;
                 shown.surfaces(loan.values());

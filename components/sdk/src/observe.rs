@@ -6,6 +6,7 @@ use crate::keep::StateKeeper;
 use crate::line::ControlPipe;
 use crate::observer::{Moment, Observer, ObserverError};
 use crate::program::Participant;
+use crate::sent::CopiedMessage;
 use crate::serve::{Assigned, panic_text};
 use crate::setup::Setup;
 use crate::stop::Stop;
@@ -14,8 +15,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Received, Receiver};
 use tremie_messages::frame::{
-    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
-    VolumeHeader,
+    BodySample, LogHeader, MessagesHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode,
+    SurfaceSample, VolumeHeader,
 };
 use tremie_messages::start::{
     Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Reply,
@@ -35,6 +36,8 @@ enum FrameReceiver<S: ChannelMedium> {
     Volume(Ahead<S, VolumeHeader, SliceNode>),
     Profile(Ahead<S, ProfileHeader, ProfileBin>),
     Signals(Ahead<S, Stamp, f64>),
+    Hashes(Ahead<S, Stamp, u64>),
+    Messages(Pieces<S>),
     Log(Ahead<S, LogHeader, u8>),
 }
 
@@ -66,6 +69,37 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Ahead<S, H, T> {
     }
 }
 
+/// Messages of a window, which come in pieces.
+struct Pieces<S: ChannelMedium> {
+    ahead: Ahead<S, MessagesHeader, u8>,
+    /// Those of the window that have come.
+    begun: Vec<u8>,
+}
+
+impl<S: ChannelMedium> Pieces<S> {
+    /// Takes the next piece, if one has arrived and `may` allows it: its header. The window is whole
+    /// after the last.
+    fn next(&mut self, may: &mut May<'_>) -> Result<Option<MessagesHeader>, Stop> {
+        let Some(piece) = self.ahead.next(|header| header.stamp.window, may)? else {
+            return Ok(None);
+        };
+        self.begun.extend_from_slice(piece.values());
+        Ok(Some(*piece.header()))
+    }
+
+    /// Shows the messages of a whole window, on so many channels, and forgets them.
+    fn show(
+        &mut self,
+        channels: usize,
+        show: impl FnOnce(&[CopiedMessage<'_>]) -> Result<(), ObserverError>,
+    ) -> Result<(), ObserverError> {
+        let damaged = || ObserverError::Other("messages came that are cut off".into());
+        let said = show(&CopiedMessage::all(&self.begun, channels).ok_or_else(damaged)?);
+        self.begun.clear();
+        said
+    }
+}
+
 /// Says whether frames of a window may be shown by now.
 type May<'a> = dyn FnMut(u64) -> Result<bool, Stop> + 'a;
 
@@ -85,6 +119,10 @@ struct Checkpoints {
     /// Last window whose frames it has seen, where the run goes on.
     seen: Option<u64>,
 }
+
+/// Shows the observer a frame by a function that tells it, unless it has seen the window.
+type Show<'a> =
+    dyn Fn(Stamp, &mut dyn FnMut(Moment) -> Result<(), ObserverError>) -> Option<Shown> + 'a;
 
 /// Stamp of a frame, and what the observer said of it.
 type Shown = (Stamp, Result<(), ObserverError>);
@@ -245,6 +283,11 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
             FrameContent::Volume(_) => FrameReceiver::Volume(Ahead::open(attachment, plan)?),
             FrameContent::Profile(_) => FrameReceiver::Profile(Ahead::open(attachment, plan)?),
             FrameContent::Signals(_) => FrameReceiver::Signals(Ahead::open(attachment, plan)?),
+            FrameContent::Hashes(_) => FrameReceiver::Hashes(Ahead::open(attachment, plan)?),
+            FrameContent::Messages(_) => {
+                let ahead = Ahead::open(attachment, plan)?;
+                FrameReceiver::Messages(Pieces { ahead, begun: Vec::new() })
+            }
             FrameContent::Log => FrameReceiver::Log(Ahead::open(attachment, plan)?),
         };
         inlets.push(Inlet { plan: plan.clone(), input, before: None, lost: 0 });
@@ -346,10 +389,43 @@ impl<S: ChannelMedium> Inlet<S> {
                     show(*frame.header(), &mut |at| observer.signals(from, at, names, values))
                 })
             }
+            (FrameReceiver::Hashes(_) | FrameReceiver::Messages(_), _) => {
+                return self.take_of_messages(observer, &show, may);
+            }
             (FrameReceiver::Log(ahead), _) => {
                 ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
                     let text = String::from_utf8_lossy(frame.values());
                     show(frame.header().stamp, &mut |at| observer.log(at, frame.header(), &text))
+                })
+            }
+            _ => None,
+        })
+    }
+}
+
+impl<S: ChannelMedium> Inlet<S> {
+    /// As [`Inlet::take`], of hashes and copies of messages.
+    fn take_of_messages<O: Observer>(
+        &mut self,
+        observer: &mut O,
+        show: &Show<'_>,
+        may: &mut May<'_>,
+    ) -> Result<Option<Shown>, Stop> {
+        let from = &self.plan.from;
+        Ok(match (&mut self.input, &self.plan.content) {
+            (FrameReceiver::Hashes(ahead), FrameContent::Hashes(channels)) => {
+                ahead.next(|stamp| stamp.window, may)?.and_then(|frame| {
+                    let rows = frame.values();
+                    show(*frame.header(), &mut |at| observer.hashes(from, at, channels, rows))
+                })
+            }
+            (FrameReceiver::Messages(pieces), FrameContent::Messages(channels)) => {
+                pieces.next(may)?.and_then(|MessagesHeader { stamp, more }| match more {
+                    0 => show(stamp, &mut |at| {
+                        let count = channels.len();
+                        pieces.show(count, |all| observer.messages(from, at, channels, all))
+                    }),
+                    _ => Some((stamp, Ok(()))),
                 })
             }
             _ => None,

@@ -1,6 +1,7 @@
 //! The trait of an observer: a component without a role in the physics, which sees frames.
 
 use crate::roles::no_state;
+use crate::sent::CopiedMessage;
 use crate::setup::Setup;
 use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -9,7 +10,7 @@ use tremie_messages::frame::{
     BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
     VolumeHeader,
 };
-use tremie_messages::start::{Description, Signal};
+use tremie_messages::start::{Description, SentChannel, Signal};
 use tremie_messages::{Problem, Stamp};
 use tremie_state::{StateError, StateExchange};
 
@@ -189,6 +190,31 @@ pub trait Observer: Sized {
         _at: Moment,
         _names: &[Signal],
         _values: &[f64],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    /// Hashes of the messages that a component sent on `channels`, in rows: a window, and a hash for
+    /// each channel ([`FrameContent::Hashes`](tremie_messages::start::FrameContent::Hashes)). Comes
+    /// only to lossless observers that ask for hashes.
+    fn hashes(
+        &mut self,
+        _from: &str,
+        _at: Moment,
+        _channels: &[SentChannel],
+        _rows: &[u64],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    /// All messages that a component sent in a window, in their order; each says which of the
+    /// channels it went through. Comes only to lossless observers that ask for messages.
+    fn messages(
+        &mut self,
+        _from: &str,
+        _at: Moment,
+        _channels: &[SentChannel],
+        _messages: &[CopiedMessage<'_>],
     ) -> Result<(), ObserverError> {
         Ok(())
     }

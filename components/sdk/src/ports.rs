@@ -24,6 +24,8 @@ pub struct OutPort<S: ChannelMedium, T: Message> {
     edge: Edge,
     sender: Sender<S, Stamp, T>,
     ringer: Ringer<S>,
+    /// Its place among the channels whose messages an observer asks for.
+    told: Option<usize>,
     /// The message of a checkpoint's window, where its receiver takes it in the next: it is sent again
     /// when the run goes on from there.
     under_way: Option<RefCell<Vec<T>>>,
@@ -144,7 +146,8 @@ impl<S: ChannelMedium, T: Message> InPort<S, T> {
         &self.edge.from
     }
 
-    fn next(
+    /// Waits for the next message, whatever its stamp; `expected` and `turn` are for words.
+    pub fn next(
         &self,
         context: &mut Context<S>,
         expected: Stamp,
@@ -298,6 +301,7 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
         Ok(Self {
             sender: context.attachment.sender(edge_spec(edge))?,
             ringer: Ringer::of(&context.attachment, &edge.to)?,
+            told: context.sent.borrow().channel(edge),
             edge: edge.clone(),
             under_way: is_under_way.then(RefCell::default),
         })
@@ -321,8 +325,16 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
     /// Sends `loan` with the stamp of the present window.
     pub fn send(&self, context: &Context<S>, mut loan: Loan<S, Stamp, T>) -> Result<(), Stop> {
         self.keep_under_way(context, loan.values());
+        self.tell(context, self.stamp(context), loan.values());
         let sent = loan.send(self.stamp(context)).and_then(|()| self.ringer.ring());
         sent.map_err(|error| self.broken(error, context.window))
+    }
+
+    /// Lets observers that ask know of a message.
+    fn tell(&self, context: &Context<S>, stamp: Stamp, values: &[T]) {
+        if let Some(channel) = self.told {
+            context.sent.borrow_mut().note(channel, &stamp, values);
+        }
     }
 
     /// Remembers the message of a checkpoint's window, if it is under way at the window's end.
@@ -354,6 +366,19 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
         rung.map_err(|error| self.broken(error, context.window))
     }
 
+    /// Sends a message of a recorded run, which observers need not be told again.
+    pub fn send_recorded(
+        &self,
+        context: &Context<S>,
+        values: &[T],
+        stamp: Stamp,
+        ring: bool,
+    ) -> Result<(), Stop> {
+        let sent = self.sender.send_copy(stamp, values);
+        let rung = sent.and_then(|()| if ring { self.ringer.ring() } else { Ok(()) });
+        rung.map_err(|error| self.broken(error, context.window))
+    }
+
     fn broken(&self, error: ChannelError, window: u64) -> Stop {
         Stop::on_edge(error, &self.edge, &self.edge.from, window)
     }
@@ -375,8 +400,9 @@ impl<S: ChannelMedium, T: Finite> OutPort<S, T> {
         match context.injection() {
             None => self.send(context, loan),
             Some(kind) => {
-                // Damaged on its way: the state has it as it was.
+                // Damaged on its way: the state and observers have it as it was.
                 self.keep_under_way(context, loan.values());
+                self.tell(context, self.stamp(context), loan.values());
                 self.send_damaged(loan, self.stamp(context), kind)?;
                 Ok(self.ringer.ring()?)
             }
@@ -393,6 +419,7 @@ impl<S: ChannelMedium, T: Finite> OutPort<S, T> {
         ring: bool,
     ) -> Result<(), Stop> {
         self.check_finite(context, loan.values())?;
+        self.tell(context, stamp, loan.values());
         let sent = loan.send(stamp).and_then(|()| if ring { self.ringer.ring() } else { Ok(()) });
         sent.map_err(|error| self.broken(error, context.window))
     }

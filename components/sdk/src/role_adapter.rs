@@ -27,6 +27,10 @@ pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     /// Sends the message of a content again that was under way at the checkpoint from which the run
     /// goes on.
     fn send_again(&mut self, context: &Context<S>, content: Content) -> Result<(), Stop>;
+    /// False if it has none to put back where a run goes on from a checkpoint.
+    fn keeps_state() -> bool {
+        true
+    }
     /// Keeps the state at a window's end, the solver's and the adapter's own, or puts it back.
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
     /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when

@@ -6,6 +6,7 @@ use crate::keep::StateKeeper;
 use crate::line::ControlPipe;
 use crate::place_teller::PlaceTeller;
 use crate::role_adapter::RoleAdapter;
+use crate::sent::SentMessages;
 use crate::setup::Setup;
 use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,6 +19,7 @@ use tremie_messages::schedule::{Content, Op};
 use tremie_messages::start::{
     Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request,
 };
+use tremie_state::{StateError, StateExchange};
 
 /// Hello, assignment and description at the end of a component's introduction.
 pub type Assigned = (Hello, Assignment, Description);
@@ -84,7 +86,8 @@ fn accept(
         ]);
     }
     let description = describe(&Setup { hello: hello.clone(), assignment: None })?;
-    Ok(Description { interface: INTERFACE_VERSION, ..description })
+    let tells_messages = role != Role::Observer;
+    Ok(Description { interface: INTERFACE_VERSION, tells_messages, ..description })
 }
 
 /// Serves a physics component from the hello to the end.
@@ -185,8 +188,9 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
 ) -> Result<u64, Stop> {
     player.open(context)?;
     let resume = context.assignment.resume.clone();
-    if let Some(resume) = &resume {
-        let put_back = keeper.put_back(resume, |state| player.exchange_state(state));
+    if let Some(resume) = resume.as_ref().filter(|_| P::keeps_state()) {
+        let sent = context.sent.get_mut();
+        let put_back = keeper.put_back(resume, |state| exchange_state(player, sent, state));
         put_back.map_err(|error| {
             context.fault(FaultKind::State, &context.component, error.to_string())
         })?;
@@ -215,6 +219,7 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
             context.substeps = substeps_to_make(context, P::ends_inside())?;
         }
         play(player, context, if window == 0 { &script.start } else { &script.window })?;
+        context.sent.get_mut().end_window(window);
         let keeps_row = context.keeps_row();
         is_measured = keeps_row || frames.show_signals(window);
         values.clear();
@@ -236,7 +241,8 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
         values.truncate(signals);
         if context.keeps_state() {
             let replier = context.line().replier();
-            keeper.keep(window, replier, |state| player.exchange_state(state));
+            let sent = context.sent.get_mut();
+            keeper.keep(window, replier, |state| exchange_state(player, sent, state));
         }
     }
     // Only here is it known that the window was the last: a run may end before its plan does.
@@ -246,6 +252,17 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     }
     frames.send_last(context, player, &values);
     Ok(context.window)
+}
+
+/// Keeps the state of a component at a window's end, or puts it back: its own, and what observers
+/// have not been sent yet.
+fn exchange_state<S: ChannelMedium, P: RoleAdapter<S>>(
+    player: &mut P,
+    sent: &mut SentMessages,
+    state: &mut StateExchange<'_>,
+) -> Result<(), StateError> {
+    player.exchange_state(state)?;
+    sent.exchange(state)
 }
 
 /// In place of the start exchange: everything is as it was at the end of the checkpoint's window.

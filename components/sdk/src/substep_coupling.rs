@@ -62,7 +62,7 @@ impl Sizes {
 }
 
 /// Place of a message in the exchange of a window, never 0: what is owed first has the smallest.
-fn turn(substep: u32, trial: u32, is_answer: bool) -> u64 {
+pub fn turn(substep: u32, trial: u32, is_answer: bool) -> u64 {
     1 + (u64::from(substep) << 34) + 2 * u64::from(trial) + u64::from(is_answer)
 }
 

@@ -194,6 +194,29 @@ impl ProfileBin {
     }
 }
 
+/// A piece of the messages that a component sent in a window: see
+/// [`crate::start::FrameContent::Messages`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MessagesHeader {
+    /// Time and window of their end.
+    pub stamp: Stamp,
+    /// 1 if another piece of the same window follows, else 0. Heads and values may be cut anywhere.
+    pub more: u64,
+}
+
+/// What stands before the copy of a message. 56 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MessageHead {
+    /// Stamp of the message.
+    pub stamp: Stamp,
+    /// Index into the list of channels of its stream.
+    pub channel: u64,
+    /// Length of its values [bytes].
+    pub bytes: u64,
+}
+
 /// A line of the run's log, the text as payload in UTF-8.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -240,6 +263,14 @@ unsafe impl Message for ProfileHeader {
 // SAFETY: 22 words, no padding.
 unsafe impl Message for ProfileBin {
     const TYPE_NAME: &'static str = "tremie.ProfileBin.1";
+}
+// SAFETY: 40 bytes and a word, no padding.
+unsafe impl Message for MessagesHeader {
+    const TYPE_NAME: &'static str = "tremie.MessagesHeader.1";
+}
+// SAFETY: 40 bytes and two words, no padding.
+unsafe impl Message for MessageHead {
+    const TYPE_NAME: &'static str = "tremie.MessageHead.1";
 }
 // SAFETY: 40 bytes and a word, no padding.
 unsafe impl Message for LogHeader {

@@ -75,6 +75,10 @@ unsafe impl Message for f64 {
     const TYPE_NAME: &'static str = "f64";
 }
 // SAFETY: plain numbers.
+unsafe impl Message for u64 {
+    const TYPE_NAME: &'static str = "u64";
+}
+// SAFETY: plain numbers.
 unsafe impl Message for u8 {
     const TYPE_NAME: &'static str = "u8";
 }

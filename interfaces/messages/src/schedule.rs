@@ -3,6 +3,7 @@
 //! The orchestrator derives the scripts of all components from the plan, once; each component
 //! then follows its own, and every message carries the stamp that the script foretells.
 
+use crate::{BodyEvent, BodyState, FacetLoad, Load, Message, PortState, SurfaceVertex};
 use serde::{Deserialize, Serialize};
 
 /// Order in which fluid and grains advance.
@@ -71,6 +72,41 @@ impl Content {
 }
 
 impl Content {
+    /// Name of the type of its values, and the size of one in memory [bytes].
+    pub fn value_type(self) -> (&'static str, usize) {
+        fn of<T: Message>() -> (&'static str, usize) {
+            (T::TYPE_NAME, size_of::<T>())
+        }
+        match self {
+            Content::Events => of::<BodyEvent>(),
+            Content::State | Content::Carrier => of::<BodyState>(),
+            Content::Load | Content::Resultant => of::<Load>(),
+            Content::Ports => of::<PortState>(),
+            Content::Surface | Content::Trial => of::<SurfaceVertex>(),
+            Content::SurfaceLoad | Content::Contact => of::<FacetLoad>(),
+        }
+    }
+
+    /// All contents, in the order in which a window of a serial schedule has them: what stands
+    /// earlier may be the cause of what stands later.
+    pub const ALL: [Content; 10] = [
+        Content::Events,
+        Content::Carrier,
+        Content::Trial,
+        Content::Contact,
+        Content::Resultant,
+        Content::State,
+        Content::Surface,
+        Content::Ports,
+        Content::Load,
+        Content::SurfaceLoad,
+    ];
+
+    /// The content of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|content| content.name() == name)
+    }
+
     /// True if it travels inside a window, between grains and rubber, as part of their advance; no
     /// operation of a script names its edge.
     pub fn is_inside_window(self) -> bool {

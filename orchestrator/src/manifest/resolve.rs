@@ -103,6 +103,7 @@ impl Document {
         run.deadline.get_or_insert(Time(30.0));
         run.seed.get_or_insert(1);
         self.outputs.record.get_or_insert(true);
+        self.outputs.messages.get_or_insert(false);
         if let Some(until) = run.until.filter(|until| until.0 > 0.0) {
             self.outputs.frames.get_or_insert(Time(until.0 / FRAMES));
         }

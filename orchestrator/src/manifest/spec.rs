@@ -106,6 +106,8 @@ pub struct Outputs {
     pub signals: Option<f64>,
     /// True if the built-in recorder takes part.
     pub record: bool,
+    /// True if it keeps every message between components, too.
+    pub messages: bool,
 }
 
 /// A condition that ends a run early.

@@ -17,6 +17,7 @@ mod watches;
 
 pub(crate) use report::bytes;
 pub use steps::TOLERANCE;
+pub(crate) use streams::copied_bytes;
 pub use watches::PlannedWatch;
 
 use crate::manifest::{ComponentSpec, Spec};
@@ -144,6 +145,14 @@ impl Plan {
         })
     }
 
+    /// Ends the run with a window, if it does not end before.
+    pub fn end_at(&mut self, window: u64) {
+        let components = self.components.iter_mut().map(|component| &mut component.windows);
+        for windows in components.chain([&mut self.windows]) {
+            *windows = window.min(*windows);
+        }
+    }
+
     /// Indices of the components that must not lose a frame.
     pub fn lossless_observers(&self) -> Vec<usize> {
         let must = |c: &PlannedComponent| {
@@ -240,7 +249,7 @@ fn assemble(
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
     let room = streams::Room { bodies: body_capacity, vertices };
-    let frames = streams::streams(described, room, |observer, content| {
+    let frames = streams::streams(described, room, &edges, |observer, content| {
         frame_windows(spec, (observer, content), window, steps.windows)
     });
     let (notes, more_warnings) = notes(spec, described, &frames, &steps);
@@ -307,6 +316,10 @@ fn frame_windows(
 ) -> u64 {
     match content {
         FrameContent::Profile(name) => profiles::windows_between(spec, name, window, windows),
+        FrameContent::Messages(_) => 1,
+        FrameContent::Hashes(_) => {
+            windows_in(spec.outputs.frames, window, windows).min(FrameContent::MOST_HASHED_WINDOWS)
+        }
         _ => windows_in(spec.interval(observer), window, windows),
     }
 }

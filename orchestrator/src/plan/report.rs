@@ -6,11 +6,9 @@ use std::fmt;
 use tremie_channels::memory;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::finding::short;
-use tremie_messages::schedule::{Content, Edge, Schedule};
+use tremie_messages::schedule::{Edge, Schedule};
 use tremie_messages::start::{FrameContent, FrameStream, Transport};
-use tremie_messages::{
-    BodyEvent, BodyState, FacetLoad, Load, PortState, Stamp, SurfaceVertex, frame,
-};
+use tremie_messages::{Stamp, frame};
 use tremie_results::text_columns;
 use tremie_sdk::{credit_spec, edge_spec, frame_spec, report_spec};
 
@@ -147,6 +145,8 @@ fn frame_row(stream: &FrameStream) -> Vec<String> {
         FrameContent::Volume(grid) => format!("volume {}", grid.name),
         FrameContent::Profile(name) => format!("profile {name}"),
         FrameContent::Signals(_) => "signals".to_string(),
+        FrameContent::Hashes(_) => "hashes".to_string(),
+        FrameContent::Messages(_) => "messages".to_string(),
         FrameContent::Log => "log".to_string(),
     };
     let every = match stream.content {
@@ -165,15 +165,7 @@ fn frame_row(stream: &FrameStream) -> Vec<String> {
 }
 
 fn edge_memory(edge: &Edge) -> u64 {
-    let value = match edge.content {
-        Content::Events => size_of::<BodyEvent>(),
-        Content::State => size_of::<BodyState>(),
-        Content::Load | Content::Resultant => size_of::<Load>(),
-        Content::Carrier => size_of::<BodyState>(),
-        Content::Surface | Content::Trial => size_of::<SurfaceVertex>(),
-        Content::SurfaceLoad | Content::Contact => size_of::<FacetLoad>(),
-        Content::Ports => size_of::<PortState>(),
-    };
+    let (_, value) = edge.content.value_type();
     memory::of_channel(size_of::<Stamp>(), value, edge_spec(edge))
 }
 
@@ -199,6 +191,8 @@ fn frame_memory(stream: &FrameStream) -> u64 {
             (size_of::<frame::ProfileHeader>(), size_of::<frame::ProfileBin>())
         }
         FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
+        FrameContent::Hashes(_) => (size_of::<Stamp>(), size_of::<u64>()),
+        FrameContent::Messages(_) => (size_of::<frame::MessagesHeader>(), size_of::<u8>()),
         FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),
     };
     memory::of_channel(header, value, frame_spec(stream))

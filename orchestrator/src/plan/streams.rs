@@ -3,9 +3,10 @@
 use super::Described;
 use crate::manifest::{ComponentSpec, ORCHESTRATOR};
 use tremie_messages::Role;
-use tremie_messages::frame::SliceNode;
+use tremie_messages::frame::{MessageHead, SliceNode};
+use tremie_messages::schedule::{Content, Edge};
 use tremie_messages::start::{
-    Description, FrameContent, FrameStream, VolumeGrid, VolumeWish, Watches,
+    Description, FrameContent, FrameStream, SentChannel, VolumeGrid, VolumeWish, Watches,
 };
 
 /// Frames under way to an observer that must have each: room for a disk that is slow for a moment.
@@ -18,6 +19,9 @@ const VOLUME_DEPTH: u64 = 1;
 const LOG_DEPTH: u64 = 256;
 /// Longest line of the log [bytes].
 const LOG_LINE: u64 = 4096;
+
+/// Least and greatest length of a piece of copied messages [bytes].
+const MESSAGES_PIECE: [u64; 2] = [16 << 10, 1 << 20];
 
 /// Most values that frames of the whole scene hold.
 #[derive(Clone, Copy)]
@@ -33,6 +37,7 @@ pub(super) struct Room {
 pub(super) fn streams(
     components: &[Described<'_>],
     room: Room,
+    edges: &[Edge],
     every: impl Fn(&ComponentSpec, &FrameContent) -> u64,
 ) -> Vec<FrameStream> {
     let is_observer = |c: &&Described<'_>| c.0.role == Role::Observer;
@@ -40,7 +45,10 @@ pub(super) fn streams(
     let mut streams = Vec::new();
     for (spec, description) in components.iter().filter(|c| !is_observer(c)) {
         for (observer, wishes) in &observers {
-            let contents = contents(spec.role, description, &wishes.watches, room);
+            let mut contents = contents(spec.role, description, &wishes.watches, room);
+            if description.tells_messages && observer.lossless {
+                contents.extend(of_messages(&spec.name, &wishes.watches, edges));
+            }
             for (name, content, capacity) in contents {
                 let every = every(observer, &content);
                 streams.push(stream(&spec.name, observer, &name, content, every, capacity));
@@ -133,6 +141,57 @@ fn contents(
         contents.push(("signals".to_string(), FrameContent::Signals(signals), count));
     }
     contents
+}
+
+/// Hashes and copies of the messages of a component: as [`contents`].
+fn of_messages(
+    component: &str,
+    watches: &Watches,
+    edges: &[Edge],
+) -> Vec<(String, FrameContent, u64)> {
+    let channels = SentChannel::of_sender(component, edges);
+    let mut contents = Vec::new();
+    if channels.is_empty() {
+        return contents;
+    }
+    if watches.hashes {
+        // Where a run goes on at another rate, rows of before come with those of a whole frame.
+        let rows = 2 * FrameContent::MOST_HASHED_WINDOWS;
+        let capacity = rows * (1 + channels.len() as u64);
+        contents.push(("hashes".into(), FrameContent::Hashes(channels.clone()), capacity));
+    }
+    if watches.messages {
+        let own = edges.iter().filter(|edge| edge.from == component);
+        let [least, most] = MESSAGES_PIECE;
+        let piece = own.map(message_bytes).fold(0, u64::saturating_add).clamp(least, most);
+        contents.push(("messages".into(), FrameContent::Messages(channels), piece));
+    }
+    contents
+}
+
+/// Most bytes of a copied message of an edge.
+fn message_bytes(edge: &Edge) -> u64 {
+    let (_, value) = edge.content.value_type();
+    edge.capacity.saturating_mul(value as u64).saturating_add(size_of::<MessageHead>() as u64)
+}
+
+/// Trials of a substep that are assumed where their number is not known: a rubber makes as many as it
+/// takes.
+const ASSUMED_TRIALS: u64 = 4;
+
+/// Most bytes that copies of a component's messages take in a window, as far as that is known.
+pub(crate) fn copied_bytes(component: &str, edges: &[Edge]) -> u64 {
+    let own = edges.iter().filter(|edge| edge.from == component);
+    let of = |edge: &Edge| {
+        let substeps = u64::from(edge.sender_substeps);
+        let count = match edge.content {
+            Content::Carrier | Content::Resultant => substeps,
+            Content::Trial | Content::Contact => ASSUMED_TRIALS * substeps,
+            _ => 1,
+        };
+        message_bytes(edge).saturating_mul(count)
+    };
+    own.map(of).fold(0, u64::saturating_add)
 }
 
 fn stream(

@@ -2,13 +2,13 @@
 
 use super::Machine;
 use crate::manifest::Spec;
-use crate::plan::{Plan, bytes};
+use crate::plan::{Plan, bytes, copied_bytes};
 use tremie_channels::memory::SHARED_MEMORY;
 use tremie_messages::Finding;
 use tremie_messages::Role;
 use tremie_messages::frame::{BodySample, ProfileBin, SliceNode, SurfaceSample};
 use tremie_messages::scene::{BodySizes, Scene};
-use tremie_messages::start::{Description, FrameContent};
+use tremie_messages::start::{Description, FrameContent, FrameStream};
 
 /// Fraction of the free amount up to which a run is not doubtful.
 const COMFORT: f64 = 0.8;
@@ -105,7 +105,7 @@ fn within(quantity: &str, need: u64, room: Option<u64>) -> Finding {
         }
         "shared memory" => "make /dev/shm larger, or send frames of fewer values",
         _ => {
-            "make room, write fewer frames (outputs.frames) and rows (outputs.signals), keep fewer checkpoints (run.checkpoints.keep), or choose another --out"
+            "make room, write fewer frames (outputs.frames) and rows (outputs.signals), no messages (outputs.messages), keep fewer checkpoints (run.checkpoints.keep), or choose another --out"
         }
     };
     finding.because(format!("{} of {} that are free", bytes(need), bytes(room))).doubtful_if(
@@ -118,24 +118,35 @@ fn within(quantity: &str, need: u64, room: Option<u64>) -> Finding {
 /// Most bytes that outputs take: frames of lossless observers without compression, and the table of
 /// signals.
 fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
-    let frames = plan.frames.iter().filter(|stream| stream.lossless).map(|stream| {
-        let value = match stream.content {
-            FrameContent::Bodies => size_of::<BodySample>(),
-            FrameContent::Surfaces => size_of::<SurfaceSample>(),
-            FrameContent::Slice(_) | FrameContent::Volume(_) => size_of::<SliceNode>(),
-            // Text and binary.
-            FrameContent::Profile(_) => 3 * size_of::<ProfileBin>(),
-            FrameContent::Signals(_) => size_of::<f64>(),
-            FrameContent::Log => 0,
-        };
-        // The start exchange is one more, and the last window has a frame and a row whenever it
-        // comes.
-        let count = plan.windows.div_ceil(stream.every.max(1)) + 1;
-        count.saturating_mul(stream.capacity.saturating_mul(value as u64))
-    });
+    let kept = plan.frames.iter().filter(|stream| stream.lossless);
+    let frames = kept.map(|stream| frames_bytes(plan, stream));
     let physics =
         plan.components.iter().zip(descriptions).filter(|(c, _)| c.role != Role::Observer);
     let columns: u64 = physics.map(|(_, description)| description.signals.len() as u64).sum();
     let rows = plan.windows.div_ceil(plan.signal_rows_every.max(1)) + 1;
     frames.fold(rows.saturating_mul((columns + 2) * WRITTEN_NUMBER), u64::saturating_add)
+}
+
+/// Most bytes that the frames of a stream take without compression.
+fn frames_bytes(plan: &Plan, stream: &FrameStream) -> u64 {
+    let value = match &stream.content {
+        FrameContent::Bodies => size_of::<BodySample>(),
+        FrameContent::Surfaces => size_of::<SurfaceSample>(),
+        FrameContent::Slice(_) | FrameContent::Volume(_) => size_of::<SliceNode>(),
+        // Text and binary.
+        FrameContent::Profile(_) => 3 * size_of::<ProfileBin>(),
+        FrameContent::Signals(_) => size_of::<f64>(),
+        FrameContent::Log => 0,
+        // Of each window, and of the start exchange; how many fit a frame does not matter.
+        FrameContent::Hashes(channels) => {
+            let row = (1 + channels.len() as u64) * size_of::<u64>() as u64;
+            return (plan.windows + 1).saturating_mul(row);
+        }
+        FrameContent::Messages(_) => {
+            return (plan.windows + 1).saturating_mul(copied_bytes(&stream.from, &plan.edges));
+        }
+    };
+    // The start exchange is one more, and the last window has a frame and a row whenever it comes.
+    let count = plan.windows.div_ceil(stream.every.max(1)) + 1;
+    count.saturating_mul(stream.capacity.saturating_mul(value as u64))
 }

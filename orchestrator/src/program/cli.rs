@@ -35,6 +35,10 @@ pub enum Command {
     Components,
     /// Open a finished run in the Rerun viewer.
     View(ViewArgs),
+    /// Compare two runs: the first window and channel in which they differ, and by how much.
+    Diff(DiffArgs),
+    /// Run one component of a recorded run against the recorded messages of the others.
+    Replay(ReplayArgs),
     /// Draw the curves of a finished run, or of several to compare them.
     Report(ReportArgs),
     /// Check that a program keeps the contract of a component.
@@ -240,6 +244,52 @@ pub struct ViewArgs {
     /// Viewer: in a browser, in its own window, in a file
     #[arg(long, value_name = "web|native|FILE.rrd", default_value = "web", value_parser = parse_view)]
     pub view: View,
+}
+
+/// Arguments of `tremie diff`.
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// Folder of a run
+    #[arg(value_name = "OUT1")]
+    pub one: PathBuf,
+    /// Folder of another
+    #[arg(value_name = "OUT2")]
+    pub other: PathBuf,
+    /// Speak JSON, one document a line, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `tremie replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// Folder of a run that was recorded with outputs.messages = true
+    #[arg(value_name = "OUT")]
+    pub run: PathBuf,
+    /// The component that runs; players stand for the others
+    #[arg(long, value_name = "COMPONENT")]
+    pub only: String,
+    /// Go on from the checkpoint of this window of the run [default: from the start]
+    #[arg(long, value_name = "WINDOW")]
+    pub at: Option<u64>,
+    /// Change a value of the manifest, to see where its effect begins
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Folder in which programs are looked for first [default: that of the run's checkpoints]
+    #[arg(long, value_name = "FOLDER")]
+    pub programs: Option<PathBuf>,
+    /// Folder for the outputs of the replay [default: none are kept]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Run the components as threads of one process
+    #[arg(long)]
+    pub in_process: bool,
+    /// Say nothing but errors and the last line
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Speak JSON, one document a line, on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `tremie report`.

@@ -1,8 +1,10 @@
 //! The registry: components in the program's own executable, and commands of packages. No other
 //! room names one.
 
-/// Plays the recording of a run to an observer.
-pub use tremie_recorder::Recording;
+/// Plays the recording of a run to an observer, and compares two of them.
+pub use tremie_recorder::{
+    Comparison as RecordingComparison, ReadError, Recording, compare as compare_recordings,
+};
 /// A seal's table, which a manifest names.
 pub use tremie_rubber_table::table::Table as SealTable;
 /// Shows a run, live or recorded.
@@ -120,8 +122,20 @@ pub const BUILT_IN: &[BuiltIn] = &[
     },
 ];
 
-/// Components that compute nothing, for `tremie bench`.
-const IDLE: &[BuiltIn] = &[
+/// Program that stands for a component where another is replayed.
+pub const PLAYER: &str = "player";
+
+/// Components that no manifest names: the player, which takes any role of the physics, and those that
+/// compute nothing, for `tremie bench`.
+const HIDDEN: &[BuiltIn] = &[
+    BuiltIn {
+        name: PLAYER,
+        role: Role::Fluid,
+        about: "sends what a component sent in a recorded run",
+        settings: SchemaGenerator::subschema_for::<()>,
+        run: tremie_recorder::run_player,
+        benchmarks: no_benchmarks,
+    },
     BuiltIn {
         name: "idle-fluid",
         role: Role::Fluid,
@@ -146,7 +160,7 @@ fn no_benchmarks(_: &BenchmarkSizes) -> Vec<Benchmark> {
 
 /// The built-in component of that name.
 pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
-    BUILT_IN.iter().chain(IDLE).find(|component| component.name == name)
+    BUILT_IN.iter().chain(HIDDEN).find(|component| component.name == name)
 }
 
 /// A command that a package adds to the program.

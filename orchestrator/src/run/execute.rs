@@ -205,11 +205,21 @@ impl Prepared {
         from: Option<Origin<'_>>,
     ) -> Result<Control<S>, RunError> {
         let prefix = sweep::prefix_of(self.run);
-        let root = self.places.as_ref().map(RunPlaces::root).unwrap_or_default();
-        let poll = execution.poll.unwrap_or(POLL);
-        let deadline = manifest.spec.run.deadline;
-        let assignments =
-            self.assignments(&root, &prefix, execution.in_process, deadline, poll, from);
+        let transport = Transport {
+            between_processes: !execution.in_process,
+            root: self.places.as_ref().map(RunPlaces::root).unwrap_or_default(),
+            prefix: prefix.clone(),
+            deadline: manifest.spec.run.deadline,
+            poll: execution.poll.unwrap_or(POLL).as_secs_f64(),
+            report_depth: REPORT_DEPTH,
+            ..Transport::default()
+        };
+        let resume = from.map(|from| Resume {
+            window: from.checkpoint.record.window,
+            folder: from.checkpoint.folder().to_string_lossy().into_owned(),
+            same_outputs: from.same_outputs,
+        });
+        let assignments = self.assignments(&transport, resume.as_ref());
         let values = self.plan.components.iter().map(|c| c.signals + c.values_of_places());
         let signals: Vec<_> = values.collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
@@ -299,35 +309,14 @@ impl Prepared {
             .collect()
     }
 
-    fn assignments(
-        &self,
-        root: &str,
-        prefix: &str,
-        in_process: bool,
-        deadline: f64,
-        poll: Duration,
-        from: Option<Origin<'_>>,
-    ) -> Vec<Assignment> {
-        let resume = from.map(|from| Resume {
-            window: from.checkpoint.record.window,
-            folder: from.checkpoint.folder().to_string_lossy().into_owned(),
-            same_outputs: from.same_outputs,
-        });
-        let transport = |name: &str| Transport {
-            between_processes: !in_process,
-            root: root.to_string(),
-            prefix: prefix.to_string(),
+    fn assignments(&self, transport: &Transport, resume: Option<&Resume>) -> Vec<Assignment> {
+        let of = |name: &str| Transport {
             credit_service: format!("credit/{name}"),
             report_service: format!("report/{name}"),
-            report_depth: REPORT_DEPTH,
-            deadline,
-            poll: poll.as_secs_f64(),
+            ..transport.clone()
         };
-        self.plan
-            .components
-            .iter()
-            .map(|c| c.assignment(transport(&c.name), resume.clone()))
-            .collect()
+        let components = self.plan.components.iter();
+        components.map(|c| c.assignment(of(&c.name), resume.cloned())).collect()
     }
 
     /// Hands out the assignments, and waits until all components are ready.

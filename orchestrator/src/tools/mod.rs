@@ -1,6 +1,8 @@
-//! Work around runs: benchmarks, conformity of components, reports, validation.
+//! Work around runs: benchmarks, comparisons, conformity of components, replays, reports, validation.
 
 pub mod bench;
+pub mod compare;
 pub mod conform;
+pub mod replay;
 pub mod report;
 pub mod validation;

@@ -33,6 +33,10 @@ pub struct Description {
     /// A fluid sends the velocities at open faces ([`crate::PortState`]); grains take them.
     #[serde(default)]
     pub ports: bool,
+    /// The component can send hashes and copies of its messages to observers that want them; the sdk
+    /// does.
+    #[serde(default)]
+    pub tells_messages: bool,
     /// Frames that an observer wants to see.
     #[serde(default)]
     pub watches: Watches,
@@ -135,7 +139,8 @@ pub struct ProfileSpec {
 /// Frames that an observer wants to see. Streams that nobody wants are not set up, and cost
 /// nothing.
 ///
-/// Left out of a description, it is everything but deformable surfaces, profiles and whole fields.
+/// Left out of a description, it is everything but deformable surfaces, profiles, hashes, messages and
+/// whole fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Watches {
@@ -151,6 +156,10 @@ pub struct Watches {
     pub signals: bool,
     /// Lines of the log.
     pub log: bool,
+    /// Hashes of the messages between components. Only lossless observers get them.
+    pub hashes: bool,
+    /// All messages between components. Only lossless observers get them.
+    pub messages: bool,
     /// Whole fields, this much of each.
     pub volumes: Option<VolumeWish>,
 }
@@ -164,6 +173,8 @@ impl Default for Watches {
             profiles: false,
             signals: true,
             log: true,
+            hashes: false,
+            messages: false,
             volumes: None,
         }
     }

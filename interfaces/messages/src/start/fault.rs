@@ -55,6 +55,8 @@ pub enum FaultKind {
     Contract,
     /// A state could not be put back: it is damaged, or another's.
     State,
+    /// In a run that is replayed, a component sent another message than the recorded one.
+    Replay,
     /// An output could not be written, or not all of it: a full disk, for example.
     Output,
 }

@@ -1,6 +1,7 @@
 //! Streams of frames, and the part of a lattice that one carries.
 
 use super::{Signal, VolumeSpec, VolumeWish};
+use crate::schedule::{Content, Edge};
 use serde::{Deserialize, Serialize};
 
 /// Content of a frame.
@@ -20,8 +21,43 @@ pub enum FrameContent {
     Profile(String),
     /// The component's signals, in the order of its description, with that order given here.
     Signals(Vec<Signal>),
+    /// Hashes of the messages that the component sends, on these channels. The frame holds a row for
+    /// each window since the frame before: the window, then a hash for each channel, as 64-bit
+    /// words. A row of window 0 is of the start exchange.
+    ///
+    /// The hash of a window begins as 0. Each message of the channel, in the order of sending, makes
+    /// it `XXH64(values, XXH64(stamp, hash))`: the second argument is the seed, the stamp is as it
+    /// lies in memory with 0 for the run's id, and so are the values. The hash of a channel without
+    /// a message in the window is 0.
+    Hashes(Vec<SentChannel>),
+    /// Copies of all messages that the component sends, on these channels: of each a
+    /// [`crate::frame::MessageHead`] and its values, one after the other in the order of sending, as
+    /// bytes. The messages of a window may take several frames.
+    Messages(Vec<SentChannel>),
     /// Lines of the log (sent by the orchestrator).
     Log,
+}
+
+/// A channel from a component, as observers know it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct SentChannel {
+    /// Content of its messages.
+    pub content: Content,
+    /// The receiving component.
+    pub to: String,
+}
+
+impl SentChannel {
+    /// Channels of a component, in the order of the edges.
+    pub fn of_sender(component: &str, edges: &[Edge]) -> Vec<Self> {
+        let own = edges.iter().filter(|edge| edge.from == component);
+        own.map(|edge| Self { content: edge.content, to: edge.to.clone() }).collect()
+    }
+}
+
+impl FrameContent {
+    /// Most windows between two frames of hashes: few frames, and few rows that a killed run loses.
+    pub const MOST_HASHED_WINDOWS: u64 = 256;
 }
 
 /// Nodes of a lattice, the same number apart along each axis.

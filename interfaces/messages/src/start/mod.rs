@@ -29,7 +29,7 @@ pub use description::{
     Description, ProfileSpec, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches,
 };
 pub use fault::{Fault, FaultKind, Injection, InjectionKind};
-pub use frames::{FrameContent, FrameStream, VolumeGrid};
+pub use frames::{FrameContent, FrameStream, SentChannel, VolumeGrid};
 pub use signal_row::SignalRow;
 
 use crate::schedule::{Edge, Script};

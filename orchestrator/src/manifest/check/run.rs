@@ -54,12 +54,17 @@ pub(super) fn outputs(table: &OutputsTable, findings: &mut Findings) -> Option<O
     let frames = table.frames.filter(|time| findings.above_zero(*time, "outputs.frames"));
     let fields = table.fields.filter(|time| findings.above_zero(*time, "outputs.fields"));
     let signals = table.signals.filter(|time| findings.above_zero(*time, "outputs.signals"));
+    if table.messages == Some(true) && table.record == Some(false) {
+        let found = "found true, and outputs.record is false: messages are kept in the recording";
+        findings.problem_with_help("outputs.messages", found, "set outputs.record = true");
+    }
     Some(Outputs {
         // Unset only where `run.until` is wrong: its default is a part of that.
         frames: frames?.0,
         fields: fields.map(|time| time.0),
         signals: signals.map(|time| time.0),
         record: table.record?,
+        messages: table.messages?,
     })
 }
 

@@ -142,6 +142,10 @@ pub(super) struct OutputsTable {
     pub signals: Option<Time>,
     /// Whether the built-in recorder takes part (default: true).
     pub record: Option<bool>,
+    /// Whether the recording also keeps every message between components, for `tremie replay` and
+    /// for differences that `tremie diff` finds to be told in full. It takes much room (default:
+    /// false).
+    pub messages: Option<bool>,
 }
 
 /// A condition that ends the run early. Exactly one of `below` and `above`.

@@ -4,13 +4,15 @@
 //! schemas, paths of written files; with `--json` everything. Standard error has errors, and the
 //! messages of `run` and `view` about their work.
 //!
-//! Exit codes: 0 success; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
+//! Exit codes: 0 success; 1 a run failed, a check did not hold, or bits differ; 2 the input is wrong; 130 the
 //! user ended a run; 141 the reader of the answer stopped reading, as `head` does. A command that
 //! could not write its answer never ends with 0.
 
 mod bench;
+mod diff;
 mod interrupts;
 mod packages;
+mod replay;
 mod report;
 mod resume;
 mod run;
@@ -21,7 +23,9 @@ mod validate;
 mod view;
 
 pub use bench::bench;
+pub use diff::diff;
 pub use packages::{of_package, reader};
+pub use replay::replay;
 pub use report::report;
 pub use resume::resume;
 pub use run::{check, run};

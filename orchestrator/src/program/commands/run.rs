@@ -404,6 +404,11 @@ pub(super) fn add_observers(manifest: &mut Manifest, view: &View) {
     if manifest.spec.outputs.record {
         manifest.spec.add_observer("recorder");
     }
+    if manifest.spec.outputs.messages {
+        for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "recorder") {
+            component.settings.insert("messages".into(), true.into());
+        }
+    }
     if manifest.spec.outputs.fields.is_some() {
         manifest.spec.add_observer("fields");
     }
