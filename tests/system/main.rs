@@ -1,11 +1,16 @@
 //! Whole runs of the `tremie` program, by scenario.
 
+/// Tests of damaged input look at the memory that reading takes.
+#[global_allocator]
+static COUNTING: tremie_test_support::Counting = tremie_test_support::Counting;
+
 mod alone;
 mod answers;
 mod bad_input;
 mod compressible_gas;
 mod conform;
 mod coupling;
+mod damaged_manifests;
 mod doctor;
 mod endings;
 mod endless;
@@ -13,8 +18,10 @@ mod examples;
 mod faults;
 mod fields;
 mod hard_spheres;
+mod hazards;
 mod inlets;
 mod memory;
+mod mounts;
 mod observers;
 mod outputs;
 mod particle_fluid;
@@ -32,3 +39,4 @@ mod sliders;
 mod starting;
 mod tremie;
 mod validation;
+mod wrong;

@@ -120,6 +120,14 @@ impl Valve {
         Self { home, table }
     }
 
+    /// Writes manifest and table into a folder, with a word of the manifest replaced by another.
+    pub fn write(&self, folder: &std::path::Path, [from, to]: &[&str; 2]) {
+        let text = std::fs::read_to_string(self.home.path().join("manifest.toml")).unwrap();
+        assert!(text.contains(from));
+        std::fs::write(folder.join("manifest.toml"), text.replace(from, to)).unwrap();
+        self.table.write(&folder.join("ring.json")).unwrap();
+    }
+
     pub fn run(&self, options: &[&str]) -> Ran {
         run(self.home.path().to_str().unwrap(), options)
     }
