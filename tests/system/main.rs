@@ -14,6 +14,7 @@ mod damaged_manifests;
 mod doctor;
 mod endings;
 mod endless;
+mod endurance;
 mod examples;
 mod faults;
 mod fields;

@@ -106,9 +106,10 @@ impl Prepared {
         let (table, log, trace) =
             self.open_outputs(manifest, out, execution, (&names, from.is_some()))?;
         let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
-        if from.is_some() {
+        if let Some(from) = from {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;
+            outputs::remove_later_checkpoints(out.path(), from.record.window);
         }
         let first = from.map_or(0, |from| from.record.window);
         let physics: Vec<usize> =

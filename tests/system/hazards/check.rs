@@ -120,7 +120,9 @@ impl Disturbance<'_> {
         let struck = match &self.hazard.what {
             What::Fault { .. } => None,
             What::Signal { to, signal, moment } => run.strike(*to, signal, *moment),
-            What::KilledTwice { moments } => run.strike(Target::Orchestrator, "KILL", moments[0]),
+            What::KilledTwice { moments, .. } => {
+                run.strike(Target::Orchestrator, "KILL", moments[0])
+            }
         };
         let code = run.wait();
         let is_fault = matches!(self.hazard.what, What::Fault { .. });
@@ -247,14 +249,20 @@ impl Disturbance<'_> {
         if self.hazard.what.hangs() {
             words.extend(["--set".into(), "run.deadline=60 s".into()]);
         }
-        if let What::KilledTwice { moments } = &self.hazard.what {
-            let mut run = self.start(&words);
+        let whole = |name: &String| name.starts_with("window");
+        let kept = || checkpoints(&self.out()).into_iter().filter(whole);
+        if let What::KilledTwice { moments, goes_back } = &self.hazard.what {
+            let first = kept().next().and_then(|name| name.rsplit('-').next()?.parse::<u64>().ok());
+            let mut again = words.clone();
+            if let Some(first) = first.filter(|_| *goes_back) {
+                again.extend(["--at".into(), first.to_string()]);
+            }
+            let mut run = self.start(&again);
             if run.strike(Target::Orchestrator, "KILL", moments[1]).is_some() {
                 run.wait();
             }
         }
-        let whole = |name: &String| name.starts_with("window");
-        let newest = checkpoints(&self.out()).into_iter().filter(whole).next_back();
+        let newest = kept().next_back();
         let mut run = self.start(&words);
         let code = run.wait();
         let about = format!("{}\n{}then\n{}", self.about, broken.said(), run.said());

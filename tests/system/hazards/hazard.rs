@@ -25,7 +25,8 @@ pub enum What {
     /// A signal comes so long after a checkpoint.
     Signal { to: Target, signal: &'static str, moment: Moment },
     /// The orchestrator is killed, and again when the run has gone on.
-    KilledTwice { moments: [Moment; 2] },
+    /// The second time it may have gone on from its first checkpoint, not from its newest.
+    KilledTwice { moments: [Moment; 2], goes_back: bool },
 }
 
 /// Who gets a signal.
@@ -127,7 +128,13 @@ impl What {
                     checkpoints,
                     milliseconds: draw.between(0, 30),
                 };
-                Self::KilledTwice { moments: [moment(first, draw), moment(first + 1, draw)] }
+                let goes_back = draw.between(0, 1) == 1;
+                let again = if goes_back {
+                    Moment::After { checkpoints: 1, milliseconds: draw.between(0, 500) }
+                } else {
+                    moment(first + 1, draw)
+                };
+                Self::KilledTwice { moments: [moment(first, draw), again], goes_back }
             }
             kind => {
                 let substeps = scene.makes_substeps.filter(|_| kind.starts_with("substep"));
@@ -175,7 +182,9 @@ impl Display for Hazard {
         match what {
             What::Fault { component, kind, window } => write!(f, "{component}:{kind}@{window}")?,
             What::Signal { to, signal, moment } => write!(f, "{signal} to {to:?} {moment:?}")?,
-            What::KilledTwice { moments } => write!(f, "KILL twice, {moments:?}")?,
+            What::KilledTwice { moments, goes_back } => {
+                write!(f, "KILL twice, {moments:?}, back to the first checkpoint: {goes_back}")?
+            }
         }
         write!(f, ", resumed with {resume:?}")
     }
