@@ -112,12 +112,12 @@ fn try_imports(count: u64) {
 
 #[test]
 fn damaged_tables_are_read_or_refused() {
-    try_tables(3000);
+    try_tables(1000);
 }
 
 #[test]
 fn damaged_imports_are_read_or_refused() {
-    try_imports(1500);
+    try_imports(500);
 }
 
 #[test]

@@ -46,12 +46,12 @@ fn try_files(ending: &str, count: u64) {
 
 #[test]
 fn damaged_stl_files_are_meshes_or_errors() {
-    try_files("stl", 3000);
+    try_files("stl", 1000);
 }
 
 #[test]
 fn damaged_obj_files_are_meshes_or_errors() {
-    try_files("obj", 3000);
+    try_files("obj", 1000);
 }
 
 #[test]

@@ -71,7 +71,8 @@ fn try_quantities(count: u64) {
         "mm", "kg", "m3", "s2", "Pa s", "·", "µ", "u", "²", "^2", "*", "/", " ", "\t", "\u{a0}",
         "°", "inf", "NaN", "E", "_", "0x1", "deg", "K", "\u{0}",
     ];
-    let memory = [1 << 12, 60];
+    // Eleven refusals, each with the text.
+    let memory = [1 << 12, 300];
     DamagedInput { name: "quantities", inputs, words: &words, read: &read, memory }.try_many(count);
 }
 

@@ -145,7 +145,7 @@ fn try_archives(count: u64) {
 
 #[test]
 fn damaged_archives_are_put_back_or_refused() {
-    try_archives(4000);
+    try_archives(800);
 }
 
 #[test]
