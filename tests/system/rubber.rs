@@ -120,11 +120,14 @@ impl Valve {
         Self { home, table }
     }
 
-    /// Writes manifest and table into a folder, with a word of the manifest replaced by another.
-    pub fn write(&self, folder: &std::path::Path, [from, to]: &[&str; 2]) {
-        let text = std::fs::read_to_string(self.home.path().join("manifest.toml")).unwrap();
-        assert!(text.contains(from));
-        std::fs::write(folder.join("manifest.toml"), text.replace(from, to)).unwrap();
+    /// Writes manifest and table into a folder, with words of the manifest replaced by others.
+    pub fn write(&self, folder: &std::path::Path, changes: &[[&str; 2]]) {
+        let mut text = std::fs::read_to_string(self.home.path().join("manifest.toml")).unwrap();
+        for [from, to] in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        std::fs::write(folder.join("manifest.toml"), text).unwrap();
         self.table.write(&folder.join("ring.json")).unwrap();
     }
 

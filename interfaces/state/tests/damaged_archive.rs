@@ -137,8 +137,9 @@ fn try_archives(count: u64) {
         "'fortran_order': True",
         "\"version\": 4294967296",
     ];
-    // Two buffers of the archive's reader, a megabyte each.
-    let memory = [3 << 20, 50];
+    // Two buffers of the archive's reader, a megabyte each, and the directory: its library takes memory
+    // for as many entries as the file says, which are 65535 at most.
+    let memory = [32 << 20, 50];
     DamagedInput { name: "archives of states", inputs, words: &words, read: &read, memory }
         .try_many(count);
 }

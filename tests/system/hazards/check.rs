@@ -20,29 +20,31 @@ const NOTICED: Duration = Duration::from_secs(5);
 /// Outputs of runs that nothing disturbed, by scene and schedule.
 #[derive(Default)]
 pub struct Undisturbed {
-    runs: BTreeMap<(&'static str, &'static str), (TempDir, PathBuf)>,
+    runs: BTreeMap<(&'static str, &'static str), TempDir>,
 }
 
 impl Undisturbed {
+    /// The folder of the manifest, with the outputs in `out`.
     fn of(&mut self, hazard: &Hazard) -> &Path {
         let key = (hazard.scene.name, hazard.schedule);
         let run = self.runs.entry(key).or_insert_with(|| {
             let home = tempfile::tempdir().unwrap();
             hazard.scene.write(home.path());
             let out = home.path().join("out");
-            let output = tremie().args(order(hazard, home.path())).arg("--quiet").output().unwrap();
+            let order = order(hazard, home.path(), &out);
+            let output = tremie().args(order).arg("--quiet").output().unwrap();
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(output.status.success(), "{}: {said}", hazard.scene.name);
-            (home, out)
+            home
         });
-        &run.1
+        run.path()
     }
 }
 
-/// The words that order a run whose manifest and outputs are in `home`.
-fn order(hazard: &Hazard, home: &Path) -> Vec<String> {
-    let mut words: Vec<String> = vec!["run".into(), home.display().to_string()];
-    words.extend(["--out".into(), home.join("out").display().to_string()]);
+/// The words that order a run of the manifest in a folder, with its outputs in another.
+fn order(hazard: &Hazard, manifest: &Path, out: &Path) -> Vec<String> {
+    let mut words: Vec<String> = vec!["run".into(), manifest.display().to_string()];
+    words.extend(["--out".into(), out.display().to_string()]);
     let every = hazard.scene.every;
     words.push("--set".into());
     words.push(format!("run.checkpoints={{ windows = {every}, keep = 99 }}"));
@@ -81,16 +83,19 @@ impl Disturbed {
     /// Carries a hazard out, and lets the run go on.
     #[track_caller]
     pub fn run(hazard: &Hazard, undisturbed: &mut Undisturbed, about: &str) -> Self {
-        let whole = undisturbed.of(hazard).to_path_buf();
+        // Of the same manifest: a recording names the files of its scene.
+        let manifest = undisturbed.of(hazard).to_path_buf();
+        let whole = manifest.join("out");
         let home = tempfile::tempdir().unwrap();
-        hazard.scene.write(home.path());
-        let disturbance = Disturbance { hazard, home: home.path(), whole: &whole, about };
+        let (manifest, whole) = (manifest.as_path(), whole.as_path());
+        let disturbance = Disturbance { hazard, manifest, home: home.path(), whole, about };
         disturbance.carry_out()
     }
 }
 
 struct Disturbance<'a> {
     hazard: &'a Hazard,
+    manifest: &'a Path,
     home: &'a Path,
     whole: &'a Path,
     about: &'a str,
@@ -109,7 +114,7 @@ impl Disturbance<'_> {
 
     #[track_caller]
     fn carry_out(&self) -> Disturbed {
-        let mut words = order(self.hazard, self.home);
+        let mut words = order(self.hazard, self.manifest, &self.out());
         if let What::Fault { component, kind, window } = &self.hazard.what {
             words.extend(["--inject".into(), format!("{component}:{kind}@{window}")]);
         }

@@ -83,7 +83,9 @@ impl FullDisk {
         let first = self.text("first");
         let about = format!("{bytes} bytes\n{first}\nagain\n{}", self.text("again"));
         if self.code("first") == 0 {
-            assert_same(&whole.home.path().join("out"), &self.home.path().join("out"));
+            // A checkpoint that had no room may be missing.
+            let table = |home: &Path| std::fs::read(home.join("out/signals.csv")).unwrap();
+            assert!(table(whole.home.path()) == table(self.home.path()), "{about}");
             return "had room enough";
         }
         assert_eq!(self.code("first"), 1, "{about}");
@@ -145,27 +147,23 @@ fn runs_of_all_scenes_go_on_when_a_full_disk_has_room_again() {
 
 #[test]
 fn shared_memory_that_others_fill_does_not_disturb_a_run() {
-    let home = tempfile::tempdir().unwrap();
+    // Not below /dev/shm, where folders of temporary files may be, and which is hidden here.
+    let home = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let manifest = home.path().join("manifest.toml");
     std::fs::write(&manifest, SMALL.replace("0.02 s", "0.1 s")).unwrap();
     let whole = run_text(&SMALL.replace("0.02 s", "0.1 s"), &[]).succeeded();
-    // As soon as the run has made its table, something else takes all that is left.
+    // As soon as the run has kept a checkpoint, something else takes all that is left.
     let script = r#"
-        "$2" run "$3" --out "$1/out" --quiet & run=$!
-        until [ -e "$1/out/log.jsonl" ]; do sleep 0.01; done
+        "$2" run "$3" --out "$1/out" --quiet --set run.checkpoints.windows=20 & run=$!
+        until ls "$1"/out/checkpoints/window-* > /dev/null 2>&1; do kill -0 $run || break; sleep 0.01; done
         head -c 100M /dev/zero > /dev/shm/other 2> /dev/null
         wait $run"#;
     let arguments = [home.path(), Path::new(env!("CARGO_BIN_EXE_tremie")), &manifest];
     let mount = "mount -t tmpfs -o size=60m tmpfs /dev/shm";
     let Some(ran) = with_mount(mount, script, &arguments) else { return };
-    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-    if ran.status.success() {
-        let table = std::fs::read_to_string(home.path().join("out/signals.csv")).unwrap();
-        assert_eq!(table, whole.signals_text());
-    } else {
-        // It was still being set up.
-        assert!(said.contains("/dev/shm is full"), "{said}");
-    }
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let table = std::fs::read_to_string(home.path().join("out/signals.csv")).unwrap();
+    assert_eq!(table, whole.signals_text());
 }
 
 /// A component that may not have so much memory: however little it is, the run ends with a sentence
@@ -187,7 +185,7 @@ fn a_component_without_memory_ends_the_run_with_a_sentence() {
         }
         assert!(matches!(ran.code(), Some(1 | 2)), "{kilobytes} kB: {said}");
         assert!(said.contains("fluid"), "{kilobytes} kB: {said}");
-        let names_cause = ["memory", "allocat", "signal 6", "thread"];
+        let names_cause = ["memory", "allocat", "signal ", "thread"];
         assert!(names_cause.iter().any(|word| said.contains(word)), "{kilobytes} kB: {said}");
         kilobytes += kilobytes / 3;
         assert!(kilobytes < 100_000_000, "it never was enough: {said}");

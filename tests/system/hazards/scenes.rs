@@ -56,8 +56,8 @@ pub const SCENES: [Disturbable; 6] = [
         physics: &PARTICLES,
         makes_substeps: Some("grains"),
         has_schedules: true,
-        windows: 50,
-        every: 8,
+        windows: 33,
+        every: 5,
     },
     Disturbable {
         name: "shock and disc",
@@ -74,13 +74,14 @@ pub const SCENES: [Disturbable; 6] = [
         physics: &HARD,
         makes_substeps: None,
         has_schedules: false,
-        windows: 200,
-        every: 20,
+        windows: 11_000,
+        every: 1500,
     },
     Disturbable {
         name: "rubber ring on spheres",
         write: |folder| {
-            Valve::on_rough_spheres().write(folder, &["record = false", "frames = \"0.1 ms\""]);
+            Valve::on_rough_spheres()
+                .write(folder, &[["record = false", "frames = \"0.1 ms\""], ["4 ms", "1.2 ms"]]);
         },
         physics: &RING,
         makes_substeps: Some("grains"),
@@ -94,8 +95,8 @@ pub const SCENES: [Disturbable; 6] = [
         physics: &LATTICE,
         makes_substeps: Some("grains"),
         has_schedules: true,
-        windows: 60,
-        every: 9,
+        windows: 780,
+        every: 100,
     },
 ];
 
@@ -112,14 +113,15 @@ position = ["9 mm", "3 mm", "3 mm"]
 
 [[scene.contacts]]"#;
     SMALL
+        .replace("0.02 s", "0.08 s")
         .replace("\n[[scene.contacts]]", post)
         .replace("record = false", "frames = \"1 ms\"\nfields = \"8 ms\"")
 }
 
 fn dam() -> String {
     let text = std::fs::read_to_string(root().join("examples/dam-break/short.toml")).unwrap();
-    text.replace("until = \"0.4 s\"", "until = \"0.2 s\"")
-        .replace("frames = \"20 ms\"", "frames = \"20 ms\"\nfields = \"80 ms\"")
+    text.replace("until = \"0.4 s\"", "until = \"0.12 s\"")
+        .replace("frames = \"20 ms\"", "frames = \"20 ms\"\nfields = \"50 ms\"")
 }
 
 fn shock() -> String {
@@ -127,15 +129,5 @@ fn shock() -> String {
 }
 
 fn hard_spheres() -> String {
-    let profile = r#"
-[[scene.profiles]]
-name = "height"
-along = ["z"]
-bins = [10]
-every = "1 ms"
-average = "20 ms"
-
-[components]"#;
-    GAS.replace("\n[components]", profile)
-        .replace("signals = \"20 ms\"\nrecord = false", "signals = \"2 ms\"\nframes = \"5 ms\"")
+    GAS.replace("signals = \"20 ms\"\nrecord = false", "signals = \"2 ms\"\nframes = \"5 ms\"")
 }
