@@ -187,6 +187,13 @@ impl Disturbance<'_> {
             return None;
         }
         run.left_nothing(&about);
+        if let Some((_, error)) = run.event("error", "") {
+            // Killed before the first window: nothing was begun.
+            let blamed = self.hazard.what.blamed().unwrap_or("interrupted");
+            assert!(error["text"].as_str().is_some_and(|text| text.contains(blamed)), "{about}");
+            assert!(matches!(code, Some(1 | 130)) && !self.out().exists(), "{about}");
+            return None;
+        }
         self.left_no_files(&about);
         let (_, end) = run.event("end", "").expect(&about);
         let text = end["text"].as_str().unwrap();
@@ -291,6 +298,13 @@ impl Disturbance<'_> {
     fn is_the_same(&self, about: &str) {
         println!("{}", about.lines().next().unwrap_or_default());
         assert_eq!(files(self.whole), files(&self.out()), "{about}");
+        if self.hazard.what.name() == "TERM" {
+            // The end that was asked for made a checkpoint of its own.
+            let kept = checkpoints(self.whole);
+            for name in checkpoints(&self.out()).into_iter().filter(|name| !kept.contains(name)) {
+                std::fs::remove_dir_all(self.out().join("checkpoints").join(name)).unwrap();
+            }
+        }
         assert_same(self.whole, &self.out());
         let summary = |out: &Path| -> Value {
             let text = std::fs::read_to_string(out.join("summary.json")).unwrap();

@@ -105,7 +105,12 @@ impl What {
         let signal = |to, signal, moment| Self::Signal { to, signal, moment };
         match kind {
             "SIGKILL of a component" => signal(component, "KILL", after(last, draw)),
-            "SIGSTOP of a component" => signal(component, "STOP", after(last, draw)),
+            // Not before the first window: a start may take as long as `run.start_within`.
+            "SIGSTOP of a component" => {
+                let checkpoints = draw.between(1, last / 2);
+                let milliseconds = draw.between(0, 60);
+                signal(component, "STOP", Moment::After { checkpoints, milliseconds })
+            }
             "SIGKILL of the orchestrator" => {
                 signal(Target::Orchestrator, "KILL", after(last, draw))
             }
