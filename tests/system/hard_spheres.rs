@@ -46,7 +46,7 @@ fn two_discs_draft_with_either_grains() {
 }
 
 /// A dry gas of hard spheres, from event to event.
-const GAS: &str = r#"
+pub const GAS: &str = r#"
 [run]
 until = "0.2 s"
 

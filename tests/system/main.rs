@@ -1,5 +1,9 @@
 //! Whole runs of the `tremie` program, by scenario.
 
+/// Tests of damaged input look at the memory that reading takes.
+#[global_allocator]
+static COUNTING: tremie_test_support::Counting = tremie_test_support::Counting;
+
 mod alone;
 mod answers;
 mod bad_input;
@@ -8,15 +12,19 @@ mod compare;
 mod compressible_gas;
 mod conform;
 mod coupling;
+mod damaged_manifests;
 mod doctor;
 mod endings;
 mod endless;
+mod endurance;
 mod examples;
 mod faults;
 mod fields;
 mod hard_spheres;
+mod hazards;
 mod inlets;
 mod memory;
+mod mounts;
 mod observers;
 mod outputs;
 mod particle_fluid;
@@ -37,3 +45,4 @@ mod steering;
 mod tremie;
 mod validation;
 mod watchdogs;
+mod wrong;

@@ -78,21 +78,8 @@ fn the_plan_says_how_much_shared_memory_a_run_takes() {
 
 /// Runs `script` with another `/dev/shm` (or `/tmp`); `None`, said, where that is not permitted.
 fn with_mount(mount: &str, script: &str, manifest: &Path) -> Option<Output> {
-    let script = format!("{mount} || exit 99; {script}");
-    let run = Command::new("unshare")
-        .args(["-m", "sh", "-c", &script, "sh", env!("CARGO_BIN_EXE_tremie")])
-        .arg(manifest)
-        .arg(manifest.with_extension("out"))
-        .output();
-    match run {
-        Ok(run) if run.status.code() != Some(99) && !errors(&run).contains("unshare failed") => {
-            Some(run)
-        }
-        other => {
-            println!("skipped: nothing can be mounted here: {other:?}");
-            None
-        }
-    }
+    let program = Path::new(env!("CARGO_BIN_EXE_tremie"));
+    crate::mounts::with_mount(mount, script, &[program, manifest, &manifest.with_extension("out")])
 }
 
 #[test]

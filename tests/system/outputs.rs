@@ -295,21 +295,9 @@ fn a_file_that_cannot_grow_ends_the_run_with_window_path_and_reason() {
 /// Runs `script` in a place of its own where `disk` is a small file system; `None`, said, where
 /// that is not permitted.
 fn on_a_disk(bytes: &str, disk: &Path, script: &str) -> Option<Output> {
-    let mount = format!("mount -t tmpfs -o size={bytes} tmpfs \"$1\" || exit 99; {script}");
-    let run = Command::new("unshare")
-        .args(["-m", "sh", "-c", &mount, "sh"])
-        .arg(disk)
-        .arg(env!("CARGO_BIN_EXE_tremie"))
-        .output();
-    match run {
-        Ok(run) if run.status.code() != Some(99) && !errors(&run).contains("unshare failed") => {
-            Some(run)
-        }
-        other => {
-            println!("skipped: no small disk can be mounted here: {other:?}");
-            None
-        }
-    }
+    let mount = format!("mount -t tmpfs -o size={bytes} tmpfs \"$1\"");
+    let program = Path::new(env!("CARGO_BIN_EXE_tremie"));
+    crate::mounts::with_mount(&mount, script, &[disk, program])
 }
 
 #[test]

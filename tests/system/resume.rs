@@ -48,7 +48,7 @@ fn every(windows: u64) -> String {
 }
 
 /// Files of a run that observers wrote.
-fn files(out: &Path) -> Vec<String> {
+pub fn files(out: &Path) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for folder in ["", "fields", "profiles"] {
         let entries = std::fs::read_dir(out.join(folder)).into_iter().flatten().flatten();
@@ -61,7 +61,7 @@ fn files(out: &Path) -> Vec<String> {
 
 /// That two runs made the same table, the same files, and the same states at all checkpoints.
 #[track_caller]
-fn assert_same(one: &Path, other: &Path) {
+pub fn assert_same(one: &Path, other: &Path) {
     let read = |out: &Path, file: &str| std::fs::read(out.join(file)).unwrap();
     let table = |out: &Path| String::from_utf8(read(out, "signals.csv")).unwrap();
     let (a, b) = (table(one), table(other));

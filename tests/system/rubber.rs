@@ -120,6 +120,17 @@ impl Valve {
         Self { home, table }
     }
 
+    /// Writes manifest and table into a folder, with words of the manifest replaced by others.
+    pub fn write(&self, folder: &std::path::Path, changes: &[[&str; 2]]) {
+        let mut text = std::fs::read_to_string(self.home.path().join("manifest.toml")).unwrap();
+        for [from, to] in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        std::fs::write(folder.join("manifest.toml"), text).unwrap();
+        self.table.write(&folder.join("ring.json")).unwrap();
+    }
+
     pub fn run(&self, options: &[&str]) -> Ran {
         run(self.home.path().to_str().unwrap(), options)
     }

@@ -43,6 +43,11 @@ impl Running {
         send(self.id(), signal);
     }
 
+    /// True once it has ended.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_some()
+    }
+
     /// Waits for the end; returns the exit code.
     #[track_caller]
     pub fn wait(&mut self, limit: Duration) -> Option<i32> {

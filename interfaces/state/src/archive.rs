@@ -6,7 +6,7 @@ use crate::numpy;
 use crate::saved::{Content, SavedEntry, SavedState};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -88,7 +88,8 @@ impl StateArchive {
     /// If there is none, or it is no state.
     pub fn open(path: &Path) -> Result<Self, StateError> {
         let failed = |error| StateError::Io { path: path.to_path_buf(), error };
-        let file = File::open(path).map_err(failed)?;
+        let mut file = File::open(path).map_err(failed)?;
+        check_directory(&mut file).map_err(failed)?;
         let mut archive = ZipArchive::new(BufReader::with_capacity(PIECE, file))
             .map_err(|error| failed(error.into()))?;
         let header = read_header(&mut archive)?;
@@ -132,6 +133,35 @@ impl StateArchive {
         tell(&mut exchange)?;
         exchange.end()
     }
+}
+
+/// Checks the number of entries that the end of an archive of more than 4 GB says: the library takes
+/// memory for so many before it has seen one, and a program that gets none is ended.
+fn check_directory(file: &mut (impl Read + Seek)) -> io::Result<()> {
+    /// Length of the last records: where the end of a large archive is, and the end.
+    const LAST: u64 = 20 + 22;
+    /// Least length of an entry in the directory.
+    const ENTRY: u64 = 46;
+    /// Place of the number of entries in the end of a large archive.
+    const NUMBER: u64 = 32;
+    let length = file.seek(SeekFrom::End(0))?;
+    let mut last = [0; LAST as usize];
+    if length >= LAST {
+        file.seek(SeekFrom::Start(length - LAST))?;
+        file.read_exact(&mut last)?;
+    }
+    let number = |bytes: &[u8]| bytes.iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte));
+    if last.starts_with(b"PK\x06\x07") {
+        let damaged = || io::Error::new(io::ErrorKind::InvalidData, "its end is damaged");
+        let place = number(&last[8..16]).checked_add(NUMBER).filter(|place| *place < length);
+        file.seek(SeekFrom::Start(place.ok_or_else(damaged)?))?;
+        let mut entries = [0; 8];
+        file.read_exact(&mut entries)?;
+        if number(&entries) > length / ENTRY {
+            return Err(damaged());
+        }
+    }
+    file.rewind()
 }
 
 fn read_header(archive: &mut ZipArchive<impl Read + Seek>) -> Result<StateHeader, StateError> {
@@ -192,4 +222,40 @@ fn read_array_header(name: &str, entry: &mut impl Read) -> Result<(Content, usiz
     let (number, shape) =
         numpy::parse(&text).ok_or_else(|| damaged(name, format!("its header is {text}")))?;
     Ok((Content::Array { number, shape }, numpy::START + length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The end of an archive of more than 4 GB that says how many entries there are.
+    fn large(entries: u64) -> Vec<u8> {
+        let mut bytes = vec![0; 200];
+        let end = bytes.len() as u64;
+        bytes.extend_from_slice(b"PK\x06\x06");
+        bytes.extend_from_slice(&44_u64.to_le_bytes());
+        bytes.resize(bytes.len() + 12, 0);
+        for number in [entries, entries, 46, entries] {
+            bytes.extend_from_slice(&number.to_le_bytes());
+        }
+        bytes.extend_from_slice(b"PK\x06\x07\0\0\0\0");
+        bytes.extend_from_slice(&end.to_le_bytes());
+        bytes.extend_from_slice(&1_u32.to_le_bytes());
+        bytes.extend_from_slice(b"PK\x05\x06");
+        bytes.resize(bytes.len() + 18, 0xff);
+        bytes
+    }
+
+    #[test]
+    fn an_end_that_says_more_entries_than_there_can_be_is_refused() {
+        let home = tempfile::tempdir().unwrap();
+        let path = home.path().join("grains.npz");
+        for entries in [1 << 33, 1 << 40, u64::MAX] {
+            std::fs::write(&path, large(entries)).unwrap();
+            let error = StateArchive::open(&path).err().map(|error| error.to_string());
+            assert!(error.is_some_and(|text| text.contains("its end is damaged")), "{entries}");
+        }
+        assert!(check_directory(&mut io::Cursor::new(large(3))).is_ok());
+        assert!(check_directory(&mut io::Cursor::new(Vec::new())).is_ok());
+    }
 }

@@ -56,6 +56,14 @@ pub enum StateError {
     /// A component says that what was put back does not fit it.
     #[error("{0}")]
     Unfit(String),
+    /// There is no memory for the copy of an array.
+    #[error("there is no memory for a copy of `{name}`, {bytes} bytes")]
+    Memory {
+        /// Name of the array.
+        name: String,
+        /// Its length [bytes].
+        bytes: usize,
+    },
     /// The disk refuses.
     #[error("{}: {error}", path.display())]
     Io {

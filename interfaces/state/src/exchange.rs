@@ -122,7 +122,7 @@ impl<'a> StateExchange<'a> {
         let name = self.name(name)?;
         match &mut self.way {
             Way::Save(entries) => {
-                entries.push(SavedEntry::array(name, values.as_mut()));
+                entries.push(SavedEntry::array(name, values.as_mut())?);
                 Ok(())
             }
             Way::Restore(source) => {

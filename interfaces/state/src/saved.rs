@@ -29,9 +29,19 @@ pub(crate) enum Content {
 }
 
 impl SavedEntry {
-    pub fn array<T: StateNumber>(name: String, values: &[T]) -> Self {
+    /// An array of numbers.
+    ///
+    /// # Errors
+    /// If memory runs out: a copy that cannot be made shall not end the program.
+    pub fn array<T: StateNumber>(name: String, values: &[T]) -> Result<Self, StateError> {
         let content = Content::Array { number: T::NAME.into(), shape: shape_of::<T>(values.len()) };
-        Self { name, content, bytes: bytemuck::cast_slice(values).to_vec() }
+        let from: &[u8] = bytemuck::cast_slice(values);
+        let mut bytes = Vec::new();
+        if bytes.try_reserve_exact(from.len()).is_err() {
+            return Err(StateError::Memory { name, bytes: from.len() });
+        }
+        bytes.extend_from_slice(from);
+        Ok(Self { name, content, bytes })
     }
 }
 

@@ -9,6 +9,7 @@ mod check;
 mod differences;
 mod document;
 mod explain;
+mod hints;
 mod overrides;
 mod path;
 mod read;
@@ -30,7 +31,7 @@ pub use spec::{
 
 use document::Document;
 use std::path::{Path, PathBuf};
-use tremie_messages::Problem;
+use tremie_messages::{Problem, nearest};
 
 /// The orchestrator's own name in logs and streams; no component may bear it.
 pub const ORCHESTRATOR: &str = "orchestrator";
@@ -96,10 +97,15 @@ pub fn parse(
         return Err(ManifestErrors { source_text: source, problems });
     }
     overrides::apply(&mut tree, sets, &mut source, &mut problems);
+    if is_empty(&tree) {
+        let problem = Problem::new("line 1, column 1", "the manifest is empty");
+        let help = "the README has a short one; `tremie scene` writes that of a valve";
+        return Err(ManifestErrors { source_text: source, problems: vec![problem.help(help)] });
+    }
     let (mut document, mut findings) = read::read(tree);
     document.fill(file.parent().unwrap_or(Path::new("")));
     let spec = check::check(&document, &mut findings);
-    problems.extend(findings.into_problems());
+    problems.extend(findings.into_problems().into_iter().map(hints::add_hint));
     match spec {
         Some(spec) if problems.is_empty() => {
             let notes = check::notes(&spec);
@@ -107,6 +113,10 @@ pub fn parse(
         }
         _ => Err(ManifestErrors { source_text: source, problems }),
     }
+}
+
+fn is_empty(tree: &serde_json::Value) -> bool {
+    tree.as_object().is_some_and(serde_json::Map::is_empty)
 }
 
 /// The JSON schema of manifests, for editors and other programs.
@@ -128,19 +138,41 @@ impl Manifest {
         };
         let own = path::join(&component.key(), "settings");
         let shared = path::join("settings", component.stem());
-        problems
-            .into_iter()
-            .map(|mut problem| {
-                if let Some(key) = problem.key.strip_prefix(Problem::PARAMETER_PREFIX) {
-                    let (own, shared) = (path::join(&own, key), path::join(&shared, key));
-                    let known = [own, shared].into_iter().find(|key| self.source.knows(key));
-                    problem.key = known.unwrap_or_else(|| self.settings_key(component, key));
-                } else {
-                    problem.key = self.written(&problem.key);
-                }
-                problem
-            })
-            .collect()
+        let mut told: Vec<Problem> = Vec::new();
+        for mut problem in problems {
+            self.name_missing_field(component, &mut problem);
+            if let Some(key) = problem.key.strip_prefix(Problem::PARAMETER_PREFIX) {
+                let (own, shared) = (path::join(&own, key), path::join(&shared, key));
+                let known = [own, shared].into_iter().find(|key| self.source.knows(key));
+                problem.key = known.unwrap_or_else(|| self.settings_key(component, key));
+            } else {
+                problem.key = self.written(&problem.key);
+            }
+            let problem = hints::add_hint(problem);
+            // One remedy for one key is one problem, such as that of a cell along three axes.
+            let same = |other: &Problem| (&other.key, &other.help) == (&problem.key, &problem.help);
+            if problem.help.is_none() || !told.iter().any(same) {
+                told.push(problem);
+            }
+        }
+        told
+    }
+
+    /// Words a setting that is missing as other keys that are; serde's sentence on it names no table.
+    fn name_missing_field(&self, component: &ComponentSpec, problem: &mut Problem) {
+        let field = problem.message.strip_prefix("missing field `");
+        let Some(field) = field.and_then(|rest| rest.strip_suffix('`')) else { return };
+        let inner = problem.key.strip_prefix(Problem::PARAMETER_PREFIX).unwrap_or(&problem.key);
+        let key = path::join(inner, field);
+        let table = path::join("settings", component.stem());
+        let names: Vec<&str> = self.spec.settings.keys().map(String::as_str).collect();
+        let message = format!("missing: {} needs a key \"{field}\"", path::join(&table, inner));
+        let written = nearest(component.stem(), &names).filter(|name| *name != component.stem());
+        *problem = match written {
+            Some(name) => Problem::new(path::join("settings", name), message)
+                .help(format!("did you mean [{table}]?")),
+            None => Problem::of_parameter(&key, message),
+        };
     }
 
     /// The key of the manifest for one of the scene: bodies have their `placement` by `packing`,

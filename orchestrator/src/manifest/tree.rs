@@ -1,5 +1,6 @@
 //! TOML text to a tree of plain values, with the place of each.
 
+use super::hints::syntax_hint;
 use super::path;
 use super::source::{KeyPlace, Source};
 use serde_json::{Map, Number, Value};
@@ -7,13 +8,20 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Error};
 use tremie_messages::Problem;
 
-/// Reads the source's text. Syntax errors become problems, all of them; what could be read of the
-/// rest comes back, with places noted in `source`.
+/// Reads the source's text. Syntax errors become problems, up to one that spoils the rest; where there
+/// are none, all values come back, with places noted in `source`.
 pub(super) fn read(source: &mut Source, problems: &mut Vec<Problem>) -> Value {
     let text = source.text.clone();
     let (table, errors) = DeTable::parse_recoverable(&text);
     for error in errors {
         problems.push(syntax(&error, source));
+        // A list or a text without its end takes in all that follows: none of that is wrong by itself.
+        if ["array", "inline table", "string,"].iter().any(|word| error.message().contains(word)) {
+            break;
+        }
+    }
+    if !problems.is_empty() {
+        return Value::Object(Map::new());
     }
     Value::Object(Reader { source, problems }.table("", table.get_ref()))
 }
@@ -23,8 +31,16 @@ fn syntax(error: &Error, source: &mut Source) -> Problem {
     let at = error.span().unwrap_or(source.text.len()..source.text.len());
     let (line, column) = super::render::line_and_column(&source.text, at.start);
     let key = format!("line {line}, column {column}");
+    let mut message = error.message().trim().replace('\n', ", ");
+    if message == "duplicate key" {
+        message = format!("duplicate key \"{}\"", source.text.get(at.clone()).unwrap_or_default());
+    }
     source.put(key.clone(), KeyPlace::File { key: None, value: at });
-    Problem::new(key, error.message().trim().replace('\n', ", "))
+    let problem = Problem::new(key, &message);
+    match syntax_hint(&message) {
+        Some(hint) => problem.help(hint),
+        None => problem,
+    }
 }
 
 struct Reader<'a> {

@@ -149,8 +149,7 @@ impl UnfinishedCheckpoint {
                     .map_err(OutputError::at(&path))?;
             }
             sync_folder(&part)?;
-            // A run that went on from an earlier checkpoint makes some again.
-            let _ = fs::remove_dir_all(&whole);
+            // There is none: a run that goes on from an earlier checkpoint removes the later ones.
             fs::rename(&part, &whole).map_err(OutputError::at(&whole))?;
             sync_folder(&self.output.join(checkpoint::CHECKPOINTS))
         };
@@ -194,13 +193,25 @@ pub fn remove_old_checkpoints(output: &Path, keep: usize) {
     if let Some(asked) = windows.iter().rposition(is_asked) {
         windows.remove(asked);
     }
-    for window in windows.iter().rev().skip(keep) {
-        // Renamed first: a folder of that name is whole, at any time.
-        let (whole, part) =
-            (checkpoint::folder(output, *window), checkpoint::unfinished(output, *window));
-        let _ = fs::rename(&whole, &part);
-        let _ = fs::remove_dir_all(&part);
+    for window in windows.into_iter().rev().skip(keep) {
+        remove(output, window);
     }
+}
+
+/// Removes the checkpoints of windows after `window`, from whose end a run goes on: its tables and
+/// recordings have been cut there, and no later state fits them.
+pub fn remove_later_checkpoints(output: &Path, window: u64) {
+    for later in windows_of(output).into_iter().filter(|other| *other > window) {
+        remove(output, later);
+    }
+}
+
+fn remove(output: &Path, window: u64) {
+    // Renamed first: a folder of that name is whole, at any time.
+    let (whole, part) =
+        (checkpoint::folder(output, window), checkpoint::unfinished(output, window));
+    let _ = fs::rename(&whole, &part);
+    let _ = fs::remove_dir_all(&part);
 }
 
 /// Windows of the whole checkpoints in the outputs of a run, in order.

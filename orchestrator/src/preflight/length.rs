@@ -54,6 +54,16 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
         most.0.role.rules().longer_steps
     );
     let finding = Finding::new("steps of the run", steps, "1").because(guess);
+    let is_short = spec.run.until < 0.9 * plan.window;
+    let finding = finding.doubtful_if(
+        is_short,
+        format!(
+            "run.until, {} s, is less than one window of {} s, and the run makes a whole one",
+            short(spec.run.until),
+            short(plan.window)
+        ),
+        "a longer run.until, or shorter steps",
+    );
     Some(finding.wrong_if(steps > ENDLESS, &why, &remedy).doubtful_if(
         steps > LONG || wall > WEEK,
         why,

@@ -131,9 +131,10 @@ impl Prepared {
         // Commands of users wait here until the components are ready.
         let socket = steering_socket(places, out.path(), terminal);
         let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
-        if own.is_some() {
+        if let Some(from) = own {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;
+            outputs::remove_later_checkpoints(out.path(), from.record.window);
         }
         let first = from.map_or(0, |from| from.checkpoint.record.window);
         let physics: Vec<usize> =

@@ -111,3 +111,10 @@ impl InjectionKind {
         (InjectionKind::SubstepLess, "substep-less"),
     ];
 }
+
+impl std::fmt::Display for InjectionKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let named = Self::ALL.iter().find(|(kind, _)| kind == self);
+        f.write_str(named.map_or("", |(_, name)| name))
+    }
+}

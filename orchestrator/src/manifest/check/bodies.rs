@@ -42,9 +42,10 @@ fn body_set(
     if let Some(name) = &name
         && !names.insert(name.clone())
     {
-        findings.problem(
+        findings.problem_with_help(
             &path::join(at, "name"),
             format!("a second set of bodies with the name \"{name}\""),
+            "give it another name: laws of contact and signals name a set by it",
         );
     }
     let density = density(table, at, findings);

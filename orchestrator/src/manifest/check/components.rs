@@ -172,9 +172,10 @@ fn together(components: &[ComponentSpec], document: &Document, findings: &mut Fi
     for role in Role::PHYSICS {
         if let Some(second) = of(role).nth(1) {
             let first = of(role).next().map_or("", |component| &component.name);
-            findings.problem(
+            findings.problem_with_help(
                 &second.key(),
                 format!("a second component with the role {role}, which {first} has"),
+                format!("leave one of the two out: a run has one {role}"),
             );
             right = false;
         }

@@ -57,7 +57,10 @@ pub(super) fn contacts(
             continue;
         };
         for (k, name) in between.iter().enumerate() {
-            materials::is_known(name, &path::item(&key, k), &known, findings);
+            if !materials::is_known(name, &path::item(&key, k), &known, findings) {
+                // It may be the one that a pair lacks.
+                findings.spoil("scene.contacts".into());
+            }
         }
         if named.insert(in_order(between), written).is_some() {
             let message = format!("a second law between \"{}\" and \"{}\"", between[0], between[1]);

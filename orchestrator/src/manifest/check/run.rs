@@ -144,7 +144,11 @@ fn limit(table: &StopTable, at: &str, findings: &mut Findings) -> Option<Limit> 
             let unreadable =
                 ["below", "above"].iter().any(|key| findings.is_unreadable(&path::join(at, key)));
             if !unreadable {
-                findings.problem(at, "missing: a bound, either \"below\" or \"above\"");
+                findings.problem_with_help(
+                    at,
+                    "missing: a bound, either \"below\" or \"above\"",
+                    "add above = 1.0, say, in the signal's SI unit",
+                );
             }
             None
         }

@@ -44,6 +44,9 @@ fn explain(mut problem: Problem, error: &GeometryError) -> Problem {
         GeometryError::Read { .. } => {
             problem.help("a relative path begins at the manifest's folder")
         }
+        GeometryError::Format { .. } => {
+            problem.help("export the part as STL (binary or text) or OBJ, and name it .stl or .obj")
+        }
         GeometryError::Faults(_) => {
             problem.message += "; places are those of the part's own frame";
             problem

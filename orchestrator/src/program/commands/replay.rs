@@ -45,7 +45,7 @@ fn tell(replayed: &Replayed, component: &str, terminal: &mut Terminal) -> ExitCo
     let Replayed { from, last, windows, ending } = replayed;
     let (text, code) = match (replayed.difference(), ending) {
         (Some(fault), _) => (format!("other bits than recorded: {}", fault.message), 1),
-        (None, Ending::Failed { fault }) => (format!("the replay failed: {fault}"), 1),
+        (None, Ending::Failed { fault, .. }) => (format!("the replay failed: {fault}"), 1),
         (None, Ending::Interrupted) => {
             (format!("interrupted at window {windows}: the recorded bits up to there"), INTERRUPTED)
         }

@@ -25,8 +25,7 @@ const REPLY_LINE: u64 = 64 << 20;
 /// Longest part of a line that is no reply that goes into the message [characters].
 const GARBAGE: usize = 1000;
 
-/// Passes on replies from a component's standard output; then, at its end,
-/// [`ComponentEvent::Closed`].
+/// Passes on replies from a component's standard output, to its end.
 pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<PeerEvent>) {
     for line in lines(output, REPLY_LINE) {
         let news = match serde_json::from_str(&line) {
@@ -35,7 +34,6 @@ pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSen
         };
         let _ = post.send((index, news));
     }
-    let _ = post.send((index, ComponentEvent::Closed));
 }
 
 /// Passes on lines from a component's standard error.

@@ -16,6 +16,7 @@ use std::io::BufReader;
 use std::os::unix::process::CommandExt;
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::time::Duration;
 use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Role};
 use tremie_sdk::ControlPipe;
@@ -40,6 +41,9 @@ pub type PeerEvent = (usize, ComponentEvent);
 /// Most arrivals under way. A component that writes faster than the orchestrator reads waits, as it
 /// would for a slow terminal.
 const EVENT_DEPTH: usize = 1024;
+
+/// Longest wait for the last words of a component whose replies have ended.
+const LAST_WORDS: Duration = Duration::from_millis(50);
 
 /// Starts components and collects their arrivals on one channel.
 pub struct Launcher {
@@ -102,13 +106,23 @@ impl Launcher {
             .process_group(0);
         end_with_us(&mut command, Signal::KILL);
         let mut child = command.spawn().map_err(|e| format!("cannot start {shown}: {e}"))?;
-        if let Some(output) = child.stdout.take() {
-            let post = self.post.clone();
-            thread(move || forward_replies(BufReader::new(output), index, &post))?;
-        }
+        let (log_open, log_closed) = channel::<()>();
         if let Some(errors) = child.stderr.take() {
             let post = self.post.clone();
-            thread(move || forward_log(BufReader::new(errors), index, &post))?;
+            thread(move || {
+                forward_log(BufReader::new(errors), index, &post);
+                drop(log_open);
+            })?;
+        }
+        if let Some(output) = child.stdout.take() {
+            let post = self.post.clone();
+            thread(move || {
+                forward_replies(BufReader::new(output), index, &post);
+                // Its last words say why it ended, and must come first. Another process that it
+                // started may keep the line open.
+                let _ = log_closed.recv_timeout(LAST_WORDS);
+                let _ = post.send((index, ComponentEvent::Closed));
+            })?;
         }
         let (to, requests) = channel();
         if let Some(input) = child.stdin.take() {

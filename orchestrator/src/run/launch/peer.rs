@@ -25,6 +25,9 @@ pub struct Peer {
 /// Signal that ends a process which touches memory that the system does not have (SIGBUS).
 const BUS_ERROR: i32 = signal_hook::consts::SIGBUS;
 
+/// Signal that ends a process at once (SIGKILL).
+const KILL: i32 = signal_hook::consts::SIGKILL;
+
 pub(super) enum Body {
     Process(Child),
     Thread(Option<JoinHandle<()>>),
@@ -129,6 +132,9 @@ fn describe(status: std::process::ExitStatus) -> String {
                 "was ended by signal {BUS_ERROR}, as happens where something else fills {SHARED_MEMORY}{room}: make it larger"
             )
         }
+        (_, Some(KILL)) => format!(
+            "was ended by signal {KILL}, as a user may do, and the system where its memory runs out (`dmesg` says so)"
+        ),
         (_, Some(signal)) => format!("was ended by signal {signal}"),
         _ => "ended".into(),
     }

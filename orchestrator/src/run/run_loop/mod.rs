@@ -27,6 +27,7 @@ use checkpoints::OwnPart;
 pub use checkpoints::{CheckpointKeeping, component_record};
 use end_reason::EndReason;
 use pace::Pace;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
@@ -183,6 +184,10 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             (state.resumed_end, self.wall_before) = (own.end, own.wall);
         }
         let went = self.write_startup_log(&mut state).and_then(|()| self.run_windows(&mut state));
+        if let Err(EndReason::Fault(fault)) = &went {
+            // At once: what follows may take a while.
+            self.terminal.event(json!({"event": "fault", "fault": fault}));
+        }
         let wall = self.wall_before + state.begin.elapsed();
         let mut ending = self.conclude(&mut state, went.err());
         // Rows that were complete when the end came belong to the record.
