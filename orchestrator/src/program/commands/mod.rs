@@ -9,6 +9,8 @@
 //! could not write its answer never ends with 0.
 
 mod bench;
+mod carry_out;
+mod check;
 mod diff;
 mod interrupts;
 mod packages;
@@ -23,12 +25,13 @@ mod validate;
 mod view;
 
 pub use bench::bench;
+pub use check::check;
 pub use diff::diff;
 pub use packages::{of_package, reader};
 pub use replay::replay;
 pub use report::report;
 pub use resume::resume;
-pub use run::{check, run};
+pub use run::run;
 pub use signals::signals;
 pub use simple::{clean, component, components, conform, schema};
 pub use steer::steer;

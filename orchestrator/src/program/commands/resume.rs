@@ -1,6 +1,6 @@
 //! `tremie resume`: goes on with a run from a checkpoint.
 
-use super::run::{Begin, RunOrder, add_observers, carry_out};
+use super::carry_out::{Begin, RunOrder, add_observers, carry_out};
 use super::{WRONG_INPUT, refuse, refuse_text};
 use crate::outputs::{ChangeRecord, MANIFEST, RunFolder, WholeCheckpoint, record_change};
 use crate::program::cli::ResumeArgs;

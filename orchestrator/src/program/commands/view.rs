@@ -1,8 +1,8 @@
 //! `tremie view OUT`: opens a finished run.
 
 use super::INTERRUPTED;
+use super::carry_out::viewer_settings;
 use super::interrupts::count_interrupts;
-use super::run::viewer_settings;
 use crate::outputs::RECORDING;
 use crate::program::cli::{View, ViewArgs};
 use crate::registry::{Recording, Viewer};
