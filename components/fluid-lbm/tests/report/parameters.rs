@@ -1,9 +1,7 @@
 //! Mistakes of a user in parameters, and the messages on them.
 
 use crate::common::*;
-use tremie_fluid_lbm::{
-    Collision, Extreme, FluidError, LbmFluid, Parameters, Precision, findings,
-};
+use tremie_fluid_lbm::{Collision, Extreme, FluidError, LbmFluid, Parameters, Precision, findings};
 use tremie_messages::scene::{BodySet, Geometry, Motion, Placement, Plane, Scene, Sphere};
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Problem, Verdict};
