@@ -55,7 +55,7 @@ impl Breach {
     fn sentence(&self) -> String {
         let Self { what, quantity, place, .. } = self;
         let [value, limit] = [self.value, self.limit].map(|value| with_unit(value, &self.unit));
-        format!("{what} is {value}{place}, above the limit of {limit} (watch.{quantity})")
+        format!("{what}{place} is {value}, above the limit of {limit} (watch.{quantity})")
     }
 
     /// How to go on from before it: the text after `tremie resume OUT`, and what that does.
@@ -104,7 +104,7 @@ mod tests {
         assert_eq!((fault.kind, fault.window), (FaultKind::Physics, 812));
         assert_eq!(
             fault.to_string(),
-            "fluid failed at window 812: largest Mach number is 0.1834 at (0.01, 0.02, 0) m, above the limit of 0.17 \
+            "fluid failed at window 812: largest Mach number at (0.01, 0.02, 0) m is 0.1834, above the limit of 0.17 \
              (watch.mach); compressible; what helps: a shorter step"
         );
     }

@@ -18,7 +18,7 @@ const LEAST_APART: u64 = 100;
 const PART_MORE: u64 = 2;
 /// Part of the first level from which on components get little leave ahead, so that a checkpoint
 /// which is asked for comes soon.
-const WARY: f64 = 0.5;
+const WARY: f64 = 0.25;
 
 /// The watchdogs of a run.
 #[derive(Debug, Default)]
@@ -172,7 +172,7 @@ impl Watchdog {
         let [value, from, stop] = [value, *from, *stop].map(|value| with_unit(value, &self.unit));
         let (what, place) = (&limit.quantity, self.place(places));
         format!(
-            "{component}: {what} is {value}{place} at window {window}, above {from}; the run stops above {stop} (watch.{quantity})"
+            "{component}: {what}{place} is {value} at window {window}, above {from}; the run stops above {stop} (watch.{quantity})"
         )
     }
 }
@@ -220,7 +220,7 @@ mod tests {
         let mut dogs = watchdogs();
         assert_eq!(dogs.look(1, &[9.0, 0.02, 0.0, 0.0], &NOWHERE), Alarm::default());
         assert!(!dogs.is_wary());
-        assert_eq!(dogs.look(2, &[9.0, 0.06, 0.0, 0.0], &NOWHERE), Alarm::default());
+        assert_eq!(dogs.look(2, &[9.0, 0.03, 0.0, 0.0], &NOWHERE), Alarm::default());
         assert!(dogs.is_wary());
         let alarm = dogs.look(3, &[9.0, 0.11, 0.0, 0.0], &NOWHERE);
         assert_eq!(alarm.checkpoint.as_deref(), Some("fluid.mach"));

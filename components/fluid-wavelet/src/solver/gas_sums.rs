@@ -99,15 +99,15 @@ impl WaveletSolver {
     ) -> Option<[f64; 3]> {
         let (shape, places) = (self.shape(), self.places());
         let (gas, dims, count) = (&self.settings.gas, shape.dims, self.values.fields);
-        let points = |axis: usize| if axis < dims { shape.edge[axis] + 3 } else { 1 };
+        let points = |axis: usize| if axis < dims { shape.edge[axis] + 1 } else { 1 };
         let mut most: Option<(f64, [f64; 3])> = None;
         for &leaf in &self.tree.leaves {
             let (slot, block) = (leaf as usize, self.tree.blocks[leaf as usize]);
             let (spacing, near) = (places.spacing(block.level), self.mask.near(slot));
             for k in 0..points(0) * points(1) * points(2) {
                 let at = [k % points(0), k / points(0) % points(1), k / (points(0) * points(1))];
-                // From the ghost below the first point on, as sums do.
-                let at = std::array::from_fn(|a| at[a] + shape.ghosts[a].saturating_sub(1));
+                // Up to the next block's first point; ghosts may lie beyond the domain.
+                let at = std::array::from_fn(|a| at[a] + shape.ghosts[a]);
                 let position = places.padded_point(block, at);
                 if !near.is_empty() && share_of_gas(bodies, near, position, spacing) == 0.0 {
                     continue;

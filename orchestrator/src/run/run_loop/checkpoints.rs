@@ -9,7 +9,7 @@
 //! the credit for it names it. Observers are told before, and hold back frames of later windows until
 //! they have kept their own states.
 
-use super::credit::WARY_AHEAD;
+use super::credit::ASKED_AHEAD;
 use super::{LoopState, RunLoop};
 use crate::manifest::{Checkpoints, ORCHESTRATOR};
 use crate::outputs::{
@@ -92,7 +92,7 @@ impl CheckpointKeeping {
         let are_wanted = self.are_wanted();
         match &mut self.under_way {
             Some(under_way) => under_way.record.made_for = Some(signal),
-            None if are_wanted => self.asked = Some((signal, window + WARY_AHEAD)),
+            None if are_wanted => self.asked = Some((signal, window + ASKED_AHEAD)),
             None => {}
         }
     }

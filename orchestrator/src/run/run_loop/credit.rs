@@ -11,10 +11,16 @@ use tremie_messages::control::Credit;
 /// Wall time by which credit runs ahead [s]: the delay of a Ctrl-C.
 const CREDIT_AHEAD: f64 = 0.1;
 
-/// Windows between the one whose row asks for a checkpoint and that of the checkpoint, where the
-/// signal was near its level before. Credit stays below it then, so that its window depends on the
-/// physics alone.
-pub(super) const WARY_AHEAD: u64 = 16;
+/// The same where a signal is near the level at which a watchdog asks for a checkpoint, which shall
+/// come soon then [s]. Some looks of the orchestrator.
+const WARY_AHEAD: f64 = 0.005;
+/// Most windows ahead where anything is watched: signals come near their levels in fewer.
+const WATCHED_MOST: u64 = 256;
+
+/// Windows between the one whose row asks for a checkpoint and that of the checkpoint, if no
+/// component had leave to go further. Where windows take a third of a millisecond or longer, that
+/// depends on the physics alone.
+pub(super) const ASKED_AHEAD: u64 = 16;
 
 impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Lets components advance some windows beyond the last that all have completed.
@@ -33,13 +39,17 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         // A condition ends the run STOP_AHEAD windows later. Credit stays below that window: a
         // component that advances through it must know that it is the last.
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
-        let most = if self.watchdogs.is_wary() { most.min(WARY_AHEAD - 1) } else { most };
+        let most = if self.watchdogs.is_idle() { most } else { most.min(WATCHED_MOST) };
         if !state.not_watching.is_empty() {
             // Only the start exchange, or what stands for it where the run goes on, until lossless observers have taken their first frames.
             return self.grant_through(state, self.first);
         }
-        // Never less than 4 windows: physics must not wait for the next look.
-        let ahead = ((state.pace.rate() * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
+        let (time, least) = match self.watchdogs.is_wary() {
+            true => (WARY_AHEAD, ASKED_AHEAD - 1),
+            // Never less than 4 windows: physics must not wait for the next look.
+            false => (CREDIT_AHEAD, 4),
+        };
+        let ahead = ((state.pace.rate() * time) as u64).clamp(least.min(most), most);
         let most =
             self.windows.min(self.last_before_checkpoint(state)).min(self.steering.last_window());
         self.grant_through(state, (done + ahead).min(most))

@@ -1,6 +1,5 @@
 //! One round of the loop of windows: arrivals, reports, rows, guards, credit.
 
-use super::credit::WARY_AHEAD;
 use super::ends::STOP_AHEAD;
 use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
@@ -12,8 +11,6 @@ use tremie_messages::units;
 /// Interval of the orchestrator's looks at reports. Physics does not wait for it: credit runs
 /// ahead.
 const LOOK: Duration = Duration::from_millis(1);
-/// The shortest, where credit runs little ahead.
-const SHORT_LOOK: Duration = Duration::from_micros(100);
 
 impl<S: ChannelMedium> RunLoop<'_, S> {
     pub(super) fn run_windows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
@@ -25,7 +22,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         loop {
             // Arrivals first: a component's word of a fault came before the silence that follows
             // it.
-            self.take_events(state, self.nap(state))?;
+            self.take_events(state, LOOK)?;
             self.take_reports()?;
             self.take_rows(state)?;
             if let Some(breach) = state.breach.take() {
@@ -63,15 +60,6 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             })?;
         }
         Ok(())
-    }
-
-    /// Time until the next look. Physics must not wait for it, also where credit runs little ahead.
-    fn nap(&self, state: &LoopState) -> Duration {
-        if !self.watchdogs.is_wary() {
-            return LOOK;
-        }
-        let some = 0.5 * WARY_AHEAD as f64 / state.pace.rate().max(1.0);
-        Duration::from_secs_f64(some).clamp(SHORT_LOOK, LOOK)
     }
 
     fn take_rows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
