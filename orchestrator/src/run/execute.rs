@@ -153,9 +153,6 @@ impl Prepared {
         // Physics only: a viewer goes on serving until `Ended` is dropped.
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
         let mut summary = self.summarise(driven);
-        // The checkpoint of another run is none of this one.
-        let others = from.filter(|_| own.is_none()).map(|from| from.record.window);
-        summary.checkpoint = summary.checkpoint.filter(|window| others != Some(*window));
         // Last of all files: a folder with a summary holds a run that is over.
         if let Err(error) = out.finish(&summary) {
             summary.ending.spoil(error.into_fault(summary.windows));

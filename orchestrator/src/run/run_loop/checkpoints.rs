@@ -21,6 +21,7 @@ use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
 use tremie_messages::Role;
 use tremie_messages::control::Credit;
+use tremie_messages::start::checkpoint;
 use tremie_state::{SavedState, StateError, StateExchange};
 
 /// Checkpoints of a run.
@@ -74,7 +75,9 @@ impl CheckpointKeeping {
     ) -> Self {
         remove_unfinished_checkpoints(&output);
         let last = (first, Instant::now());
-        let newest = (first > 0).then_some(first);
+        // The checkpoint from which the run goes on may be another run's.
+        let is_own = first > 0 && checkpoint::folder(&output, first).is_dir();
+        let newest = is_own.then_some(first);
         Self { when, can_be_made, record, manifest, output, under_way: None, last, newest }
     }
 
