@@ -106,7 +106,7 @@ fn ctrl_c_ends_a_run_with_whole_outputs() {
     let last: u64 =
         table.trim().lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert_eq!(Some(last), summary["windows"].as_u64());
-    assert_eq!(last_frames(&home.path().join("out")), [last; 3]);
+    assert_eq!(last_frames(&home.path().join("out")), [last; 4]);
 }
 
 #[test]

@@ -130,7 +130,8 @@ impl<S: ChannelMedium> Frames<S> {
         })
     }
 
-    /// Sends the frames that are due at the end of the present window.
+    /// Sends the frames that are due at the end of the present window. With it the window has ended for
+    /// the messages that were sent.
     ///
     /// An observer that takes nothing is given up, and the orchestrator told so: observers never
     /// stop the physics.
@@ -142,6 +143,7 @@ impl<S: ChannelMedium> Frames<S> {
     ) {
         // Taken out while frames take from it; nothing is sent between components meanwhile.
         let mut sent = context.sent.take();
+        sent.end_window(context.window);
         let mut have_rows = false;
         for index in 0..self.outlets.len() {
             if self.outlets[index].is_due(context.window, shown) {

@@ -223,7 +223,6 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
             context.substeps = substeps_to_make(context, P::ends_inside())?;
         }
         play(player, context, if window == 0 { &script.start } else { &script.window })?;
-        context.sent.get_mut().end_window(window);
         let keeps_row = context.keeps_row();
         is_measured = keeps_row || frames.show_signals(window);
         values.clear();
