@@ -75,7 +75,7 @@ fn every_common_mistake_is_answered_with_its_line_and_a_remedy() {
         if is_of_a_line && !said.contains(&format!("{name}.toml:")) {
             wrong.push(format!("{name}: no line is named\n{said}"));
         }
-        let remedies = ["= help: ", "  remedy: ", ", expected "];
+        let remedies = ["= help: ", "  remedy: ", ", expected ", ": must be "];
         if !remedies.iter().any(|words| said.contains(words)) {
             wrong.push(format!("{name}: no remedy is named\n{said}"));
         }
