@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// Mistakes that are none of a line: there is no line to point at.
-const WITHOUT_A_LINE: [&str; 1] = ["components-missing"];
+const WITHOUT_A_LINE: [&str; 2] = ["components-missing", "empty"];
 /// Mistakes of which each part must be mended: two pairs of materials without a law.
 const WITH_MORE_ERRORS: [&str; 1] = ["contacts-missing"];
 
