@@ -1,6 +1,6 @@
 //! Shared memory, private folders and open files that are too small for a run.
 
-use crate::running::Running;
+use crate::running::{Running, run_of};
 use crate::tremie::{SMALL, tremie};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
@@ -48,7 +48,6 @@ fn taken(run: &str) -> u64 {
 #[test]
 fn the_plan_says_how_much_shared_memory_a_run_takes() {
     let home = tempfile::tempdir().unwrap();
-    let own = std::fs::metadata("/proc/self").unwrap().uid();
     for (name, text) in cases() {
         let manifest = home.path().join(format!("{name}.toml"));
         std::fs::write(&manifest, text.replace("0.02 s", "100 s")).unwrap();
@@ -57,14 +56,8 @@ fn the_plan_says_how_much_shared_memory_a_run_takes() {
         command.args(["run", "--json", "--out"]).arg(home.path().join(name)).arg(&manifest);
         let mut running = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::null()));
         running.says("\"progress\"");
-        // Its private folder is named as its memory; it is the one that its process has open.
-        let folders = std::fs::read_dir(format!("/tmp/tremie-{own}")).unwrap().flatten();
-        let names = folders.map(|entry| entry.file_name().to_string_lossy().into_owned());
-        let links = std::fs::read_dir(format!("/proc/{}/fd", running.id())).unwrap().flatten();
-        let open: Vec<_> = links.filter_map(|link| std::fs::read_link(link.path()).ok()).collect();
-        let is_open =
-            |name: &String| open.iter().any(|path| path.to_string_lossy().contains(name.as_str()));
-        let run = names.into_iter().find(is_open).unwrap();
+        // Its private folder is named as its memory.
+        let run = run_of(running.id()).unwrap();
         let taken = taken(&run);
         running.send("-INT");
         running.wait(Duration::from_secs(20));

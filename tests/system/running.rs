@@ -1,6 +1,8 @@
 //! A program while it runs: its output, its children, signals to it.
 
 use std::io::{BufRead, BufReader, Lines, Read};
+use std::os::unix::fs::MetadataExt;
+use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command};
 use std::time::{Duration, Instant};
 
@@ -80,6 +82,24 @@ pub fn children_of(id: u32) -> Vec<u32> {
     let path = format!("/proc/{id}/task/{id}/children");
     let children = std::fs::read_to_string(path).unwrap_or_default();
     children.split_whitespace().map(|id| id.parse().unwrap()).collect()
+}
+
+/// The folder with the private folders of all runs.
+pub fn places() -> PathBuf {
+    let user = std::fs::metadata("/proc/self").unwrap().uid();
+    PathBuf::from(format!("/tmp/tremie-{user}"))
+}
+
+/// Id of the run whose private folder a process has open; `None` if there is none yet.
+pub fn run_of(process: u32) -> Option<String> {
+    let links = std::fs::read_dir(format!("/proc/{process}/fd")).ok()?.flatten();
+    let mut open = links.filter_map(|link| std::fs::read_link(link.path()).ok());
+    open.find_map(|path| {
+        let rest = path.strip_prefix(places()).ok()?;
+        let name = rest.components().next()?.as_os_str().to_str()?;
+        // A name with a dot is that of a folder that is not ready.
+        (!name.starts_with('.')).then(|| name.to_string())
+    })
 }
 
 /// True if a process is there and has not ended.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// Mistakes that are none of a line: there is no line to point at.
-const WITHOUT_A_LINE: [&str; 1] = ["components-missing"];
+const WITHOUT_A_LINE: [&str; 2] = ["components-missing", "empty"];
 /// Mistakes of which each part must be mended: two pairs of materials without a law.
 const WITH_MORE_ERRORS: [&str; 1] = ["contacts-missing"];
 
@@ -75,7 +75,7 @@ fn every_common_mistake_is_answered_with_its_line_and_a_remedy() {
         if is_of_a_line && !said.contains(&format!("{name}.toml:")) {
             wrong.push(format!("{name}: no line is named\n{said}"));
         }
-        let remedies = ["= help: ", "  remedy: ", ", expected "];
+        let remedies = ["= help: ", "  remedy: ", ", expected ", ": must be "];
         if !remedies.iter().any(|words| said.contains(words)) {
             wrong.push(format!("{name}: no remedy is named\n{said}"));
         }

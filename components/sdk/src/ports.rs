@@ -424,6 +424,11 @@ impl<S: ChannelMedium, T: Finite> OutPort<S, T> {
         sent.map_err(|error| self.broken(error, context.window))
     }
 
+    /// Rings the receiver's bell.
+    pub fn ring(&self) -> Result<(), Stop> {
+        Ok(self.ringer.ring()?)
+    }
+
     /// Loans a message with these values.
     pub fn loan_copy(&self, values: &[T]) -> Result<Loan<S, Stamp, T>, Stop> {
         let mut loan = self.loan(values.len())?;

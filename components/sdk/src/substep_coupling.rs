@@ -66,6 +66,12 @@ pub fn turn(substep: u32, trial: u32, is_answer: bool) -> u64 {
     1 + (u64::from(substep) << 34) + 2 * u64::from(trial) + u64::from(is_answer)
 }
 
+/// True for the substep in which the fault is committed that is injected into a window: both sides are in
+/// the exchange then.
+fn is_middle<S: ChannelMedium>(context: &Context<S>, substep: u32) -> bool {
+    substep == context.assignment.substeps.div_ceil(2)
+}
+
 /// The grains' side.
 pub struct SubstepCoupling<S: ChannelMedium> {
     sizes: Sizes,
@@ -192,7 +198,14 @@ impl<S: ChannelMedium> SubstepCoupling<S> {
             carrier.id = id;
         }
         let loan = self.carrier.loan_copy(&self.carriers)?;
-        self.carrier.send_inside(context, loan, context.inside(substep, 0), true)
+        let stamp = context.inside(substep, 0);
+        match context.injection().filter(|_| is_middle(context, substep)) {
+            None => self.carrier.send_inside(context, loan, stamp, true),
+            Some(kind) => {
+                self.carrier.send_damaged(loan, stamp, kind)?;
+                self.carrier.ring()
+            }
+        }
     }
 }
 
@@ -270,7 +283,7 @@ impl<S: ChannelMedium> RubberInside<S> {
     }
 
     /// Sends a trial; commits the fault that is injected into this window in the first of its
-    /// middle substep, with both sides in the exchange.
+    /// middle substep.
     fn send_trial<R: Rubber>(
         &self,
         context: &Context<S>,
@@ -279,8 +292,8 @@ impl<S: ChannelMedium> RubberInside<S> {
     ) -> Result<(), Stop> {
         let mut loan = self.trial.loan(self.sizes.vertices)?;
         rubber.surface(loan.values());
-        let is_middle = stamp.iteration == 1 && stamp.substep == context.substeps.div_ceil(2);
-        match context.injection().filter(|_| is_middle) {
+        let is_due = stamp.iteration == 1 && is_middle(context, stamp.substep);
+        match context.injection().filter(|_| is_due) {
             None => self.trial.send_inside(context, loan, stamp, false),
             Some(kind) => {
                 self.trial.send_damaged(loan, stamp, kind)?;

@@ -198,18 +198,53 @@ pub fn remove_old_checkpoints(output: &Path, keep: usize) {
     }
 }
 
-/// Removes the checkpoints of windows after `window`, from whose end a run goes on: its tables and
-/// recordings have been cut there, and no later state fits them.
-pub fn remove_later_checkpoints(output: &Path, window: u64) {
-    for later in windows_of(output).into_iter().filter(|other| *other > window) {
-        remove(output, later);
+/// Checkpoints of windows after the one from whose end a run goes on. Tables and recordings are cut
+/// there, and no later state fits them.
+///
+/// They lose their names before anything is cut: a run that is killed then goes on from the earlier one.
+/// Where the run is refused they get their names back.
+#[derive(Debug)]
+pub struct LaterCheckpoints {
+    output: PathBuf,
+    windows: Vec<u64>,
+}
+
+impl LaterCheckpoints {
+    /// Sets those after `window` aside.
+    pub fn set_aside(output: &Path, window: u64) -> Self {
+        let is_moved = |later: &u64| {
+            let (whole, part) = both(output, *later);
+            *later > window && fs::rename(whole, part).is_ok()
+        };
+        let windows = windows_of(output).into_iter().filter(is_moved).collect();
+        Self { output: output.to_path_buf(), windows }
     }
+
+    /// Removes them: the run goes on.
+    pub fn remove(mut self) {
+        for window in std::mem::take(&mut self.windows) {
+            let _ = fs::remove_dir_all(both(&self.output, window).1);
+        }
+    }
+}
+
+impl Drop for LaterCheckpoints {
+    fn drop(&mut self) {
+        for window in &self.windows {
+            let (whole, part) = both(&self.output, *window);
+            let _ = fs::rename(part, whole);
+        }
+    }
+}
+
+/// Folder of the checkpoint of a window, whole and not.
+fn both(output: &Path, window: u64) -> (PathBuf, PathBuf) {
+    (checkpoint::folder(output, window), checkpoint::unfinished(output, window))
 }
 
 fn remove(output: &Path, window: u64) {
     // Renamed first: a folder of that name is whole, at any time.
-    let (whole, part) =
-        (checkpoint::folder(output, window), checkpoint::unfinished(output, window));
+    let (whole, part) = both(output, window);
     let _ = fs::rename(&whole, &part);
     let _ = fs::remove_dir_all(&part);
 }
@@ -301,5 +336,33 @@ impl WholeCheckpoint {
     ) -> Result<(), StateError> {
         let path = checkpoint::state_file(&self.folder, ORCHESTRATOR);
         StateArchive::open(&path)?.put_back(ORCHESTRATOR, STATE_VERSION, tell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn output(windows: &[u64]) -> tempfile::TempDir {
+        let home = tempfile::tempdir().unwrap();
+        windows
+            .iter()
+            .for_each(|w| fs::create_dir_all(checkpoint::folder(home.path(), *w)).unwrap());
+        home
+    }
+
+    #[test]
+    fn later_checkpoints_come_back_where_a_run_is_refused_and_go_where_it_goes_on() {
+        let home = output(&[8, 16, 24]);
+        let later = LaterCheckpoints::set_aside(home.path(), 8);
+        assert_eq!(windows_of(home.path()), [8]);
+        drop(later);
+        assert_eq!(windows_of(home.path()), [8, 16, 24]);
+        LaterCheckpoints::set_aside(home.path(), 16).remove();
+        assert_eq!(windows_of(home.path()), [8, 16]);
+        // As where the run was killed meanwhile.
+        std::mem::forget(LaterCheckpoints::set_aside(home.path(), 8));
+        remove_unfinished_checkpoints(home.path());
+        assert_eq!(windows_of(home.path()), [8]);
     }
 }

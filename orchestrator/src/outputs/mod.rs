@@ -14,8 +14,8 @@ mod trace;
 
 pub use breach::{Breach, with_unit};
 pub use checkpoint_folder::{
-    CheckpointRecord, ComponentRecord, NoCheckpoint, UnfinishedCheckpoint, WholeCheckpoint,
-    remove_later_checkpoints, remove_old_checkpoints, remove_unfinished_checkpoints,
+    CheckpointRecord, ComponentRecord, LaterCheckpoints, NoCheckpoint, UnfinishedCheckpoint,
+    WholeCheckpoint, remove_old_checkpoints, remove_unfinished_checkpoints,
 };
 pub use folder::{OutputError, RunFolder};
 pub use judged_finding::{JudgedFinding, WHOLE};

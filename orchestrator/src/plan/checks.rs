@@ -54,6 +54,11 @@ pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Pr
             let help = format!("let the {other} make the fault");
             problems.push(Problem::new("--inject", message).help(help));
         }
+        if injection.kind.is_of_message() && names.len() == 1 {
+            let message =
+                format!("{name} sends no messages in this run: nothing can be wrong with one");
+            problems.push(Problem::new("--inject", message).help("hang, exit and kill need none"));
+        }
         if injection.window == 0 || injection.window > windows {
             let window = injection.window;
             let message = format!("window {window} is none of the run's, 1 to {windows}");

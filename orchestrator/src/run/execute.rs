@@ -2,8 +2,8 @@
 
 use crate::manifest::Manifest;
 use crate::outputs::{
-    self, ComponentSummary, OutputError, RunFolder, RunLog, SignalTable, Statistics, Summary,
-    Trace, WholeCheckpoint,
+    self, ComponentSummary, LaterCheckpoints, OutputError, RunFolder, RunLog, SignalTable,
+    Statistics, Summary, Trace, WholeCheckpoint,
 };
 use crate::plan::REPORT_DEPTH;
 use crate::preflight;
@@ -127,14 +127,16 @@ impl Prepared {
         let names = self.signal_names();
         let (table, log, trace) =
             self.open_outputs(manifest, out, execution, (&names, own.is_some()))?;
+        // Before observers cut their files.
+        let later = own.map(|from| LaterCheckpoints::set_aside(out.path(), from.record.window));
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
         // Commands of users wait here until the components are ready.
         let socket = steering_socket(places, out.path(), terminal);
         let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
-        if let Some(from) = own {
+        if let Some(later) = later {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;
-            outputs::remove_later_checkpoints(out.path(), from.record.window);
+            later.remove();
         }
         let first = from.map_or(0, |from| from.checkpoint.record.window);
         let physics: Vec<usize> =

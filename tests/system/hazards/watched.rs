@@ -2,11 +2,10 @@
 
 use super::hazard::{Moment, Target};
 use crate::resume::checkpoints;
-use crate::running::{children_of, is_alive, send};
+use crate::running::{children_of, is_alive, places, run_of, send};
 use crate::tremie::tremie;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
@@ -76,14 +75,7 @@ impl WatchedRun {
             }
         }
         if self.id.is_none() {
-            let links = std::fs::read_dir(format!("/proc/{id}/fd")).into_iter().flatten().flatten();
-            let open = links.filter_map(|link| std::fs::read_link(link.path()).ok());
-            let of_run = |path: PathBuf| {
-                let rest = path.strip_prefix(places()).ok()?;
-                let name = rest.components().next()?.as_os_str().to_str()?;
-                (!name.starts_with('.')).then(|| name.to_string())
-            };
-            self.id = open.filter_map(of_run).next();
+            self.id = run_of(id);
         }
     }
 
@@ -206,10 +198,4 @@ impl WatchedRun {
 fn runs(process: u32, program: &str) -> bool {
     let line = std::fs::read_to_string(format!("/proc/{process}/cmdline")).unwrap_or_default();
     line.split('\0').any(|word| word == program)
-}
-
-/// The folder with the private folders of all runs.
-fn places() -> PathBuf {
-    let user = std::fs::metadata("/proc/self").unwrap().uid();
-    PathBuf::from(format!("/tmp/tremie-{user}"))
 }

@@ -112,6 +112,13 @@ impl InjectionKind {
     ];
 }
 
+impl InjectionKind {
+    /// True if it is committed in a message to another component.
+    pub fn is_of_message(self) -> bool {
+        matches!(self, Self::Drop | Self::Duplicate | Self::Stale | Self::Count | Self::Nan)
+    }
+}
+
 impl std::fmt::Display for InjectionKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let named = Self::ALL.iter().find(|(kind, _)| kind == self);

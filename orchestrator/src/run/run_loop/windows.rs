@@ -33,8 +33,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             if self.physics.iter().all(|index| state.finished[*index]) {
                 return Ok(());
             }
-            // Later than the components' own deadline: a peer that waits names both sides.
-            let deadline = units::wait(1.2 * self.deadline + 0.1);
+            let deadline = self.silence_allowed();
             let lost = self.monitor.lost_message();
             let granted = state.granted.unwrap_or(0);
             if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {
@@ -47,6 +46,13 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             self.show_timing(state, now)?;
             self.show_progress(state, now);
         }
+    }
+
+    /// Longest time without a report of a component: where others wait for it, later than their own
+    /// deadline, because a peer that waits names both sides.
+    fn silence_allowed(&self) -> Duration {
+        let is_alone = self.physics.len() == 1;
+        units::wait(if is_alone { self.deadline } else { 1.2 * self.deadline + 0.1 })
     }
 
     pub(super) fn take_reports(&mut self) -> Result<(), EndReason> {
