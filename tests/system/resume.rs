@@ -289,6 +289,7 @@ cell = "0.5 mm"
 [watch]
 mach = "off"
 density = "off"
+mass = "off"
 
 [outputs]
 record = false
