@@ -204,10 +204,13 @@ fn a_gas_that_is_torn_apart_says_where() {
     let torn = SHOCK
         .replace("mach = 1.66", "mach = 1.01")
         .replace("[[scene.probes]]", "[[scene.fluid.gas.regions]]\nmax = [\"10 mm\", \"10 mm\", \"8 mm\"]\nvelocity = [\"-9000 m/s\", \"0 m/s\", \"0 m/s\"]\n\n[[scene.fluid.gas.regions]]\nmin = [\"13 mm\", \"0 mm\", \"0 mm\"]\nvelocity = [\"9000 m/s\", \"0 m/s\", \"0 m/s\"]\n\n[[scene.probes]]");
-    let ran = run_text(&torn, &[]);
-    assert!(!ran.output.status.success());
-    let said = ran.errors();
-    for words in ["density", "pressure", "both must be positive", "a smaller tolerance"] {
-        assert!(said.contains(words), "expected \"{words}\" in: {said}");
-    }
+    let fails = |options: &[&str], words: &[&str]| {
+        let ran = run_text(&torn, options);
+        assert!(!ran.output.status.success());
+        let said = ran.errors();
+        words.iter().for_each(|word| assert!(said.contains(word), "no \"{word}\" in: {said}"));
+    };
+    fails(&[], &["at window 0", "watch.mach", "no checkpoint is from before"]);
+    let unwatched = ["--set", "watch.mach=off", "--set", "watch.density=off"];
+    fails(&unwatched, &["density", "pressure", "both must be positive", "a smaller tolerance"]);
 }

@@ -97,8 +97,10 @@ fn a_folder_of_a_run_under_way_is_refused_and_of_one_that_was_killed_at_the_star
     assert!(said.contains("holds something already"), "{said}");
     // All that a run leaves which was killed before its first file.
     for entry in std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path()) {
-        if !entry.ends_with("summary.json.part") {
-            std::fs::remove_file(entry).unwrap();
+        match entry.is_dir() {
+            true => std::fs::remove_dir_all(entry).unwrap(),
+            false if entry.ends_with("summary.json.part") => {}
+            false => std::fs::remove_file(entry).unwrap(),
         }
     }
     assert!(out.join("summary.json.part").exists());

@@ -308,6 +308,7 @@ cell = "0.5 mm"
 [watch]
 mach = "off"
 density = "off"
+mass = "off"
 
 [outputs]
 record = false

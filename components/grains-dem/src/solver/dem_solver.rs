@@ -107,6 +107,22 @@ pub(crate) struct StepRecord {
     pub(super) deep_overlaps: u64,
 }
 
+impl StepRecord {
+    fn new(blocks: usize) -> Self {
+        Self {
+            tallies: vec![Tally::default(); blocks],
+            reaches: vec![StepDisplacement::default(); blocks],
+            wandered: MaxDisplacement::none(blocks),
+            crossed: false,
+            tally: Tally::default(),
+            max_overlap_ratio: 0.0,
+            deepest_place: None,
+            watched_overlap: None,
+            deep_overlaps: 0,
+        }
+    }
+}
+
 /// Loads of a fluid.
 pub(crate) struct FluidLoads {
     /// True if there are any in this window.
@@ -171,17 +187,7 @@ impl GrainsDem {
         let bounds = around.bounds.clone();
         let driven = Driven::of_scene(scene, spheres);
         driven.end(&mut bodies, 0.0);
-        let record = StepRecord {
-            tallies: vec![Tally::default(); blocks],
-            reaches: vec![StepDisplacement::default(); blocks],
-            wandered: MaxDisplacement::none(blocks),
-            crossed: false,
-            tally: Tally::default(),
-            max_overlap_ratio: 0.0,
-            deepest_place: None,
-            watched_overlap: None,
-            deep_overlaps: 0,
-        };
+        let record = StepRecord::new(blocks);
         let load_sums = Vec::with_capacity(bodies_of_run.div_ceil(BLOCK));
         let next_id = roll.first_free();
         Self {
