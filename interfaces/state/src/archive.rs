@@ -255,7 +255,7 @@ mod tests {
             let error = StateArchive::open(&path).err().map(|error| error.to_string());
             assert!(error.is_some_and(|text| text.contains("its end is damaged")), "{entries}");
         }
-        assert!(check_directory(&mut std::io::Cursor::new(large(3))).is_ok());
-        assert!(check_directory(&mut std::io::Cursor::new(Vec::new())).is_ok());
+        assert!(check_directory(&mut io::Cursor::new(large(3))).is_ok());
+        assert!(check_directory(&mut io::Cursor::new(Vec::new())).is_ok());
     }
 }

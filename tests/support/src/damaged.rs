@@ -209,7 +209,7 @@ mod tests {
             let known =
                 ["three", "4294967296", "1"].iter().take_while(|w| text.contains(**w)).count();
             assert!(known < 3 || text.contains("two"), "found");
-            format!("{}", ["none", "a", "b", "c"][known])
+            ["none", "a", "b", "c"][known].to_string()
         };
         let found = catch_unwind(AssertUnwindSafe(|| reader(&read).try_many(100_000)));
         let text = *found.unwrap_err().downcast::<String>().unwrap();
