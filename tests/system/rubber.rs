@@ -309,7 +309,7 @@ fn faults_inside_a_window_are_caught_with_both_sides_named() {
         ("rubber", "exit", &["exit"]),
         ("rubber", "kill", &["exit"]),
         ("grains", "drop", &["lost"]),
-        ("grains", "duplicate", &["stamp"]),
+        ("grains", "duplicate", &["stamp", "substeps"]),
         ("grains", "stale", &["stamp"]),
         ("grains", "count", &["count"]),
         ("grains", "nan", &["not_finite"]),
