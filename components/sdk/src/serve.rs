@@ -17,7 +17,7 @@ use tremie_messages::Role;
 use tremie_messages::problem::Problem;
 use tremie_messages::schedule::{Content, Op};
 use tremie_messages::start::{
-    Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request,
+    Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request, Resume,
 };
 use tremie_state::{StateError, StateExchange};
 
@@ -189,11 +189,7 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     player.open(context)?;
     let resume = context.assignment.resume.clone();
     if let Some(resume) = resume.as_ref().filter(|_| P::keeps_state()) {
-        let sent = context.sent.get_mut();
-        let put_back = keeper.put_back(resume, |state| exchange_state(player, sent, state));
-        put_back.map_err(|error| {
-            context.fault(FaultKind::State, &context.component, error.to_string())
-        })?;
+        put_back_state(player, context, keeper, resume)?;
     }
     let mut frames = Frames::open(context)?;
     let gone = |_| Stop::Aborted;
@@ -255,6 +251,18 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     }
     frames.send_last(context, player, &values);
     Ok(context.window)
+}
+
+/// Puts the state of a component back from a checkpoint.
+fn put_back_state<S: ChannelMedium, P: RoleAdapter<S>>(
+    player: &mut P,
+    context: &mut Context<S>,
+    keeper: &StateKeeper,
+    resume: &Resume,
+) -> Result<(), Stop> {
+    let sent = context.sent.get_mut();
+    let put_back = keeper.put_back(resume, |state| exchange_state(player, sent, state));
+    put_back.map_err(|error| context.fault(FaultKind::State, &context.component, error.to_string()))
 }
 
 /// Keeps the state of a component at a window's end, or puts it back: its own, and what observers

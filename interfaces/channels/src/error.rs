@@ -39,7 +39,11 @@ pub enum ChannelError {
 
 impl ChannelError {
     pub(crate) fn open(what: &str, why: impl std::fmt::Debug) -> Self {
-        Self::Open { what: what.to_string(), why: format!("{why:?}") }
+        let mut why = format!("{why:?}");
+        if why.contains("DataSegment") {
+            why += ": the system gives no memory for it; look at its limits (ulimit -v) and at /dev/shm";
+        }
+        Self::Open { what: what.to_string(), why }
     }
 
     pub(crate) fn failed(channel: &str, why: impl std::fmt::Debug) -> Self {

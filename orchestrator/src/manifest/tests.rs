@@ -198,6 +198,9 @@ fn what_is_missing_is_said_at_its_table() {
         &["a bound"],
     );
     let errors = read("").unwrap_err();
+    assert_eq!(errors.problems.len(), 1);
+    assert_eq!(errors.problems[0].message, "the manifest is empty");
+    let errors = read("[run]\n").unwrap_err();
     let keys: Vec<_> = errors.problems.iter().map(|problem| problem.key.as_str()).collect();
     assert_eq!(keys, ["run.until", "scene.domain.size", "components"]);
 }

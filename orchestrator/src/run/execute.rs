@@ -143,10 +143,7 @@ impl Prepared {
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
         let newest = own.map(|checkpoint| checkpoint.record.window);
         let checkpoints = self.checkpoints(manifest, programs, out.path(), (first, newest));
-        let file = Path::new(manifest.source.file());
-        let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
-        let planned = execution.changes.iter().filter(|it| it.window > first).cloned().collect();
-        let steering = Steering::new(socket, self.run, file, execution.pause_at, planned);
+        let steering = self.steering(manifest, execution, socket, first);
         let watchdogs = self.watchdogs(&names);
         let monitor = self.monitor(&physics, from.is_some().then_some(first));
         let drive = RunLoop {
@@ -183,6 +180,20 @@ impl Prepared {
                 Err(error.into())
             }
         }
+    }
+
+    /// What users want of the run after window `first`, with the socket on which they say it.
+    fn steering(
+        &self,
+        manifest: &Manifest,
+        execution: &Execution,
+        socket: Option<SteeringSocket>,
+        first: u64,
+    ) -> Steering {
+        let file = Path::new(manifest.source.file());
+        let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+        let planned = execution.changes.iter().filter(|it| it.window > first).cloned().collect();
+        Steering::new(socket, self.run, file, execution.pause_at, planned)
     }
 
     /// Ends the physics, and writes the summary.

@@ -107,7 +107,8 @@ impl Watchdogs {
             }
             dog.newest = value;
             let is_above = value > dog.watch.watched.from;
-            let has_come = is_above && !std::mem::replace(&mut dog.was_above, is_above);
+            let was_above = std::mem::replace(&mut dog.was_above, is_above);
+            let has_come = is_above && !was_above;
             if value > dog.watch.watched.limit {
                 let breach = || dog.breach(window, value, places);
                 alarm.breach = alarm.breach.or_else(|| Some(breach()));
