@@ -227,9 +227,7 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
         if !keeps_row && !sampled.is_empty() {
             // What is reported does not depend on who looks.
             is_measured = false;
-            for &place in sampled {
-                values.get_mut(place).into_iter().for_each(|value| *value = f64::NAN);
-            }
+            forget(&mut values, sampled);
         }
         places.push(&mut values, |signal| player.place(signal));
         if keeps_row {
@@ -251,6 +249,13 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     }
     frames.send_last(context, player, &values);
     Ok(context.window)
+}
+
+/// Takes the values of the `sampled` signals away.
+fn forget(values: &mut [f64], sampled: &[usize]) {
+    for &place in sampled {
+        values.get_mut(place).into_iter().for_each(|value| *value = f64::NAN);
+    }
 }
 
 /// Puts the state of a component back from a checkpoint.
