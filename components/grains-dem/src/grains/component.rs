@@ -1,10 +1,9 @@
 //! The discrete elements as a component of a run.
 
+use crate::grains::findings::MAX_OVERLAP;
 use crate::grains::findings::{findings, limits};
 use crate::grains::followed::Follow;
-use crate::grains::signals::{
-    BODIES, DRAG_BAND, FACE, INLET, MAX_OVERLAP, OF_ALL, OUTLET, PART, SLIDER,
-};
+use crate::grains::signals::{BODIES, DRAG_BAND, FACE, INLET, OF_ALL, OUTLET, PART, SLIDER};
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
 use crate::setup::check_profiles;

@@ -1,6 +1,5 @@
 //! Numbers of the contacts, judged before the run.
 
-use crate::grains::signals::MAX_OVERLAP;
 use crate::math::parameters::{Lubrication, Parameters};
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
 use crate::setup::check_clumps::ClumpOverlap;
@@ -113,6 +112,8 @@ fn room_for_spheres(scene: &Scene, parameters: &Parameters, room: Room) -> Findi
 
 /// Overlap over the smaller radius beyond which bodies are about to pass through each other.
 const TOO_DEEP: f64 = 0.5;
+/// Name of the signal with the deepest overlap.
+pub(crate) const MAX_OVERLAP: &str = "max_overlap_ratio";
 /// Ways in a step over the smallest radius, doubtful and wrong.
 const WAYS: [f64; 2] = [0.1, 1.0];
 

@@ -3,6 +3,7 @@
 
 use crate::bodies::drag_bands::DragBandState;
 use crate::bodies::slider::SliderState;
+use crate::grains::findings::MAX_OVERLAP;
 use crate::solver::diagnostics::Diagnostics;
 use crate::solver::ports::{InletState, OutletState};
 use tremie_messages::start::SignalRow;
@@ -15,9 +16,6 @@ const FORCE: &str = "force of the grains on the part, fixed or moving: contacts 
     the window; no fluid, no stops";
 const WALL: &str = "force of the grains on this face of the domain at the end of the window: contacts and lubrication; no fluid";
 const REMOVED: &str = "momentum that its drag took from the grains since the start";
-
-/// Name of the signal with the deepest overlap.
-pub(crate) const MAX_OVERLAP: &str = "max_overlap_ratio";
 
 /// Signals of all bodies together.
 pub(crate) const OF_ALL: &[SignalRow<Diagnostics>] = &[
