@@ -77,14 +77,7 @@ impl Drop for RunPlaces {
 /// If the folder that holds all runs cannot be read.
 pub fn sweep_dead_runs() -> io::Result<usize> {
     let mut swept = 0;
-    for entry in fs::read_dir(base()?)? {
-        let folder = entry?.path();
-        let name = folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        // A name with a dot is a folder that is not locked yet: it is no number, and is passed
-        // over.
-        let Ok(run) = u64::from_str_radix(&name, 16) else {
-            continue;
-        };
+    for (run, folder) in all_runs()? {
         if is_dead(&folder) {
             remove(&folder, &prefix_of(run))?;
             swept += 1;
@@ -99,18 +92,25 @@ pub fn sweep_dead_runs() -> io::Result<usize> {
 /// # Errors
 /// If the folder that holds all runs cannot be read.
 pub fn living_runs() -> io::Result<Vec<(u64, PathBuf)>> {
-    let mut living = Vec::new();
+    let mut living = all_runs()?;
+    living.retain(|(_, folder)| !is_dead(folder));
+    living.sort_unstable();
+    Ok(living)
+}
+
+/// Runs of this user that have a folder, dead or in progress.
+fn all_runs() -> io::Result<Vec<(u64, PathBuf)>> {
+    let mut runs = Vec::new();
     for entry in fs::read_dir(base()?)? {
         let folder = entry?.path();
         let name = folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        if let Ok(run) = u64::from_str_radix(&name, 16)
-            && !is_dead(&folder)
-        {
-            living.push((run, folder));
+        // A name with a dot is a folder that is not locked yet: it is no number, and is passed
+        // over.
+        if let Ok(run) = u64::from_str_radix(&name, 16) {
+            runs.push((run, folder));
         }
     }
-    living.sort_unstable();
-    Ok(living)
+    Ok(runs)
 }
 
 /// Number of entries in shared memory that belong to run `run`.
