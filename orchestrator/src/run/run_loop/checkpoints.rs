@@ -335,8 +335,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     fn lose_checkpoint(&mut self, window: u64, why: &str) -> Result<(), OutputError> {
         let text = format!("no checkpoint of window {window}: {why}");
         self.terminal.warn(&text);
-        let time = self.clock.seconds(window * self.clock.ticks_per_window);
-        self.log.write(LogLevel::Warning, ORCHESTRATOR, window, time, &text)
+        self.write_line(LogLevel::Warning, ORCHESTRATOR, window, &text)
     }
 
     /// Keeps the orchestrator's own state, or puts it back: table of signals, sums of reports, conditions

@@ -22,8 +22,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             let first = self.first;
             let text =
                 format!("the run goes on from its checkpoint of window {first} of {windows}");
-            let time = self.clock.seconds(first * self.clock.ticks_per_window);
-            self.log.write(LogLevel::Info, ORCHESTRATOR, first, time, &text)?;
+            self.write_line(LogLevel::Info, ORCHESTRATOR, first, &text)?;
         }
         for (index, text) in std::mem::take(&mut self.early).into_lines() {
             self.write_log(state, index, &text)?;
@@ -58,8 +57,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         // Into the file only. Such lines differ from run to run (the port of a server, say), and
         // recordings of equal runs must be equal.
         let window = self.monitor.common_window().unwrap_or(0);
-        let time = self.clock.seconds(window * self.clock.ticks_per_window);
-        self.log.write(level, &name, window, time, &message)
+        self.write_line(level, &name, window, &message)
     }
 
     /// Writes a line to the log, and shows it to observers.
@@ -74,8 +72,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         // hold it back until they have kept their states.
         let after = self.checkpoints.under_way.as_ref().map_or(0, |it| it.window() + 1);
         self.show(window.max(after), level, from, message);
-        let time = self.clock.seconds(window * self.clock.ticks_per_window);
-        self.log.write(level, from, window, time, message)
+        self.write_line(level, from, window, message)
     }
 
     /// As [`RunLoop::note`], for a given window: a line that depends on the physics alone must not
@@ -88,6 +85,17 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         message: &str,
     ) -> Result<(), OutputError> {
         self.show(window, level, from, message);
+        self.write_line(level, from, window, message)
+    }
+
+    /// Writes a line into the log's file only.
+    pub(super) fn write_line(
+        &mut self,
+        level: LogLevel,
+        from: &str,
+        window: u64,
+        message: &str,
+    ) -> Result<(), OutputError> {
         let time = self.clock.seconds(window * self.clock.ticks_per_window);
         self.log.write(level, from, window, time, message)
     }

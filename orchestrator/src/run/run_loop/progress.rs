@@ -62,8 +62,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         self.terminal.say(&turns.to_string());
         // Into the file only: measured times differ from run to run, and recordings of equal runs
         // must be equal.
-        let time = self.clock.seconds(window * self.clock.ticks_per_window);
-        self.log.write(LogLevel::Info, ORCHESTRATOR, window, time, &turns.to_string())
+        self.write_line(LogLevel::Info, ORCHESTRATOR, window, &turns.to_string())
     }
 
     /// Shows windows done, their rate, and shares of wall time.

@@ -176,10 +176,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             return Ok(());
         }
         if let Some(why) = self.why_no_checkpoint(state) {
-            if asked.is_planned() {
-                self.terminal.warn(&format!("a planned change was not made: {why}"));
-            }
-            asked.refuse(why);
+            self.refuse(asked, why);
             return Ok(());
         }
         let window = state.granted.unwrap_or(self.first) + 1;
@@ -188,7 +185,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             let sets = sets.clone();
             let (file, text) = (&self.steering.manifest, &self.checkpoints.manifest);
             if let Err(error) = changes::changed(file, text, &sets) {
-                asked.refuse(error.to_string());
+                self.refuse(asked, error.to_string());
                 return Ok(());
             }
             let record = ChangeRecord { window, set: sets };
@@ -202,6 +199,14 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
         self.steering.until_checkpoint.push((window, asked));
         Ok(())
+    }
+
+    /// Refuses a command; a planned one has no user who would hear of it.
+    fn refuse(&self, asked: SteeringRequest, why: String) {
+        if asked.is_planned() {
+            self.terminal.warn(&format!("a planned change was not made: {why}"));
+        }
+        asked.refuse(why);
     }
 
     /// Why no checkpoint can begin now; `None` if one can.
@@ -231,9 +236,8 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                 if let Some(change) = change {
                     self.steering.hold = change.is_paused.then_some(window);
                 }
-                asked.refuse(format!(
-                    "the checkpoint of window {window} could not be made; the run's log says why"
-                ));
+                let why = "could not be made; the run's log says why";
+                self.refuse(asked, format!("the checkpoint of window {window} {why}"));
                 continue;
             }
             let Some(change) = change else {
@@ -272,8 +276,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
 
     /// Writes a command into the log: into the file only, because recordings of equal runs must be equal.
     fn record(&mut self, what: &str, window: u64) -> Result<(), OutputError> {
-        let time = self.clock.seconds(window * self.clock.ticks_per_window);
-        self.log.write(LogLevel::Info, ORCHESTRATOR, window, time, &format!("steered: {what}"))
+        self.write_line(LogLevel::Info, ORCHESTRATOR, window, &format!("steered: {what}"))
     }
 
     fn status(&self, state: &LoopState) -> RunStatus {
