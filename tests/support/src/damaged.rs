@@ -6,7 +6,8 @@
 //! build. All is drawn from a seed: a try repeats.
 
 use crate::most_bytes;
-use crate::mutation::{Random, damage};
+use crate::mutation::damage;
+use crate::random::Random;
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};

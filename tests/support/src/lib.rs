@@ -7,6 +7,8 @@
 //!
 //! [`DamagedInput`] tries a reader of bytes that come from others with damaged ones, by the thousand.
 //!
+//! [`Random`] draws numbers for tests, the same on every machine.
+//!
 //! [`processor_seconds`] times one thread, whatever other programs do beside it.
 //!
 //! `observers`, behind a feature of that name, sets an observer up without a run; `interrupted` kills
@@ -20,11 +22,13 @@ pub mod interrupted;
 mod mutation;
 #[cfg(feature = "observers")]
 pub mod observers;
+mod random;
 #[cfg(feature = "state")]
 mod through_a_file;
 
 pub use clock::processor_seconds;
 pub use damaged::{DamagedInput, inputs};
+pub use random::Random;
 #[cfg(feature = "state")]
 pub use through_a_file::through_a_file;
 

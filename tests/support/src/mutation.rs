@@ -1,34 +1,6 @@
 //! Random damage to bytes.
 
-/// A stream of random numbers: SplitMix64 (Steele, Lea and Flood 2014).
-pub struct Random(pub u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number below `end`; 0 where there is none.
-    pub fn below(&mut self, end: usize) -> usize {
-        (self.next() % (end.max(1) as u64)) as usize
-    }
-
-    /// One of `all`, which holds some.
-    pub fn one<'a, T>(&mut self, all: &'a [T]) -> &'a T {
-        &all[self.below(all.len())]
-    }
-
-    /// A piece of something `length` long: mostly short.
-    fn piece(&mut self, length: usize) -> std::ops::Range<usize> {
-        let longest = *self.one(&[1, 4, 16, 64, usize::MAX]);
-        let count = self.below(longest.min(length)) + usize::from(length > 0);
-        let start = self.below(length - count + 1);
-        start..start + count
-    }
-}
+use crate::random::Random;
 
 /// Numbers that break things, as text.
 const NUMBERS: [&str; 16] = [
@@ -50,6 +22,14 @@ const NUMBERS: [&str; 16] = [
     "0.1e99999",
 ];
 
+/// A piece of something `length` long: mostly short.
+fn piece(random: &mut Random, length: usize) -> std::ops::Range<usize> {
+    let longest = *random.one(&[1, 4, 16, 64, usize::MAX]);
+    let count = random.below(longest.min(length)) + usize::from(length > 0);
+    let start = random.below(length - count + 1);
+    start..start + count
+}
+
 /// Longest input [bytes].
 const LONGEST: usize = 1 << 15;
 
@@ -62,7 +42,7 @@ pub fn damage(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut Ra
 }
 
 fn damage_once(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut Random) {
-    let piece = random.piece(bytes.len());
+    let piece = piece(random, bytes.len());
     match random.below(12) {
         0 => bytes.iter_mut().skip(piece.start).take(1).for_each(|b| *b ^= 1 << random.below(8)),
         1 => bytes.iter_mut().skip(piece.start).take(1).for_each(|b| *b = random.next() as u8),
@@ -74,7 +54,7 @@ fn damage_once(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut R
             insert(bytes, piece.start, &copy.repeat(times));
         }
         5 => {
-            let from = other[random.piece(other.len())].to_vec();
+            let from = other[piece(random, other.len())].to_vec();
             let at = piece.start;
             bytes.drain(piece);
             insert(bytes, at, &from);

@@ -1,7 +1,6 @@
 //! Disks and memory that are full in mid-run: one sentence, a checkpoint that is whole or not there,
 //! and the same bits when there is room again.
 
-use super::draw::Draw;
 use super::hazard::{Moment, Target};
 use super::scenes::{Disturbable, SCENES};
 use super::watched::WatchedRun;
@@ -11,6 +10,7 @@ use crate::tremie::{SMALL, run_text, script, tremie};
 use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
+use tremie_test_support::Random;
 
 /// A scene in a folder of its own, and the outputs of a run that nothing disturbed.
 struct Whole {
@@ -120,7 +120,7 @@ impl FullDisk {
 fn on_small_disks(scene: &Disturbable, count: u64) {
     let whole = Whole::of(scene);
     let most = whole.bytes();
-    let mut draw = Draw::new(super::SEED, most);
+    let mut draw = Random::of_case(super::SEED, most);
     let mut went_on = 0;
     for place in 0..count {
         let part = most * (2 * place + 1) / (2 * count);

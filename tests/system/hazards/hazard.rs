@@ -1,8 +1,8 @@
 //! Hazards: what breaks a run off, and when.
 
-use super::draw::Draw;
 use super::scenes::{Disturbable, SCENES};
 use std::fmt::{Display, Formatter};
+use tremie_test_support::Random;
 
 /// A run, and what breaks it off.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ const KINDS: [&str; 18] = [
 impl Hazard {
     /// The hazard of a case.
     pub fn draw(seed: u64, case: u64) -> Self {
-        let mut draw = Draw::new(seed, case);
+        let mut draw = Random::of_case(seed, case);
         let kind = KINDS[case as usize % KINDS.len()];
         let needs_messages = ["drop", "duplicate", "stale", "count", "nan"].contains(&kind);
         let needs_substeps = kind.starts_with("substep");
@@ -81,9 +81,9 @@ impl Hazard {
                 && (!needs_substeps || scene.makes_substeps.is_some())
         };
         let scenes: Vec<_> = SCENES.iter().filter(fits).copied().collect();
-        let scene = draw.one(&scenes);
+        let scene = *draw.one(&scenes);
         let schedule =
-            if scene.has_schedules { draw.one(&["serial", "parallel"]) } else { "serial" };
+            if scene.has_schedules { *draw.one(&["serial", "parallel"]) } else { "serial" };
         let what = What::draw(kind, &scene, &mut draw);
         let threads = format!("components.{}.threads={}", scene.physics[0].0, draw.between(1, 2));
         let resume = match draw.between(0, 3) {
@@ -96,12 +96,12 @@ impl Hazard {
 }
 
 impl What {
-    fn draw(kind: &'static str, scene: &Disturbable, draw: &mut Draw) -> Self {
-        let (name, program) = draw.one(scene.physics);
+    fn draw(kind: &'static str, scene: &Disturbable, draw: &mut Random) -> Self {
+        let (name, program) = *draw.one(scene.physics);
         let component = Target::Component(name, program);
         let last = scene.windows / scene.every;
         let writing =
-            |draw: &mut Draw| Moment::WhileWriting { checkpoints: draw.between(0, last / 2) };
+            |draw: &mut Random| Moment::WhileWriting { checkpoints: draw.between(0, last / 2) };
         let signal = |to, signal, moment| Self::Signal { to, signal, moment };
         match kind {
             "SIGKILL of a component" => signal(component, "KILL", after(last, draw)),
@@ -129,7 +129,7 @@ impl What {
             }
             "orchestrator killed twice" => {
                 let first = draw.between(1, last / 3);
-                let moment = |checkpoints, draw: &mut Draw| Moment::After {
+                let moment = |checkpoints, draw: &mut Random| Moment::After {
                     checkpoints,
                     milliseconds: draw.between(0, 30),
                 };
@@ -176,7 +176,7 @@ impl What {
     }
 }
 
-fn after(last: u64, draw: &mut Draw) -> Moment {
+fn after(last: u64, draw: &mut Random) -> Moment {
     Moment::After { checkpoints: draw.between(0, last / 2), milliseconds: draw.between(0, 60) }
 }
 

@@ -5,7 +5,6 @@
 //! disturbed. All is drawn from a seed: case 37 is always the same.
 
 mod check;
-mod draw;
 mod full;
 mod hazard;
 mod scenes;
