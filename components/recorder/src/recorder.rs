@@ -84,6 +84,12 @@ fn columns_of<'a>(
 
 impl Recorder {
     /// Keeps a message until its window is whole, and writes windows that became whole.
+    /// Takes a message of a stream.
+    fn take_of(&mut self, stream: Stream, at: Moment, data: Vec<u8>) -> Result<(), ObserverError> {
+        let frame = frame(at, Some(&stream));
+        self.take(stream, &frame, nanoseconds(at), data)
+    }
+
     fn take(
         &mut self,
         stream: Stream,
@@ -233,10 +239,7 @@ impl Observer for Recorder {
         bodies: &[BodySample],
     ) -> Result<(), ObserverError> {
         let stream = Stream::Bodies(from.into());
-        let time = nanoseconds(at);
-        let data = bytes(&encode_bodies(time, bodies));
-        let frame = frame(at, Some(&stream));
-        self.take(stream, &frame, time, data)
+        self.take_of(stream, at, bytes(&encode_bodies(nanoseconds(at), bodies)))
     }
 
     fn surfaces(
@@ -246,10 +249,7 @@ impl Observer for Recorder {
         samples: &[SurfaceSample],
     ) -> Result<(), ObserverError> {
         let stream = Stream::Surfaces(from.into());
-        let time = nanoseconds(at);
-        let data = bytes(&encode_vertices(time, samples));
-        let frame = frame(at, Some(&stream));
-        self.take(stream, &frame, time, data)
+        self.take_of(stream, at, bytes(&encode_vertices(nanoseconds(at), samples)))
     }
 
     fn slice(
@@ -278,10 +278,7 @@ impl Observer for Recorder {
         if !self.names.contains_key(&stream) {
             self.names.insert(stream.clone(), names.to_vec());
         }
-        let time = nanoseconds(at);
-        let data = encode(time, values);
-        let frame = frame(at, Some(&stream));
-        self.take(stream, &frame, time, data)
+        self.take_of(stream, at, encode(nanoseconds(at), values))
     }
 
     fn hashes(
@@ -295,10 +292,7 @@ impl Observer for Recorder {
         if !self.hashed.contains_key(&stream) {
             self.hashed.insert(stream.clone(), channels.to_vec());
         }
-        let time = nanoseconds(at);
-        let data = encode_hashes(time, channels.len(), rows);
-        let frame = frame(at, Some(&stream));
-        self.take(stream, &frame, time, data)
+        self.take_of(stream, at, encode_hashes(nanoseconds(at), channels.len(), rows))
     }
 
     fn messages(
