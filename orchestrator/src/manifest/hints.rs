@@ -12,8 +12,7 @@ pub(super) fn add_hint(problem: Problem) -> Problem {
     let help = missing(&problem)
         .or_else(|| quantity(&problem.message))
         .or_else(|| bare_value(&problem.message))
-        .or_else(|| face(&problem))
-        .or_else(|| place(&problem.message));
+        .or_else(|| face(&problem));
     match help {
         Some(help) => problem.help(help),
         None => problem,
@@ -118,16 +117,6 @@ fn bare_value(message: &str) -> Option<String> {
         return Some(format!("leave the quotes out: {found}"));
     }
     (expected == "a boolean").then(|| "write true or false, without quotes".into())
-}
-
-/// What to do about something in the wrong place.
-fn place(message: &str) -> Option<String> {
-    const HINTS: [(&str, &str); 3] = [
-        ("overlaps", "move one of the two, or make it smaller"),
-        ("is not inside the domain", "move it, or make the domain larger; is its unit right?"),
-        (" into part ", "move the body out of the part"),
-    ];
-    HINTS.iter().find(|(words, _)| message.contains(words)).map(|(_, hint)| (*hint).into())
 }
 
 /// What else a face of the domain may be.

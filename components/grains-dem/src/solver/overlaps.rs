@@ -83,7 +83,7 @@ fn check_parts(
                     scene.bodies[sphere.set].name, part.name
                 );
                 let key = format!("scene.bodies[{}].placement", sphere.set);
-                problems.push(Problem::new(key, message));
+                problems.push(Problem::new(key, message).help("move the body out of the part"));
             }
         }
     }

@@ -139,8 +139,8 @@ fn check_parts(
                 let (set, name) = (&scene.bodies[body.set].name, &of.name);
                 let message =
                     format!("puts body {id} (of \"{set}\") {depth:.3e} m into part \"{name}\"");
-                problems
-                    .push(Problem::new(format!("scene.bodies[{}].placement", body.set), message));
+                let key = format!("scene.bodies[{}].placement", body.set);
+                problems.push(Problem::new(key, message).help("move the body out of the part"));
             }
         }
     }

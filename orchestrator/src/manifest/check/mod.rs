@@ -140,6 +140,9 @@ quantities!(
     Volume
 );
 
+/// What to do about something outside the domain.
+const BRING_INSIDE: &str = "move it, or make the domain larger; is its unit right?";
+
 /// A domain's corners, for messages.
 fn extent(domain: &Domain) -> String {
     format!("{} m to {} m", point(&domain.min), point(&domain.max))

@@ -7,7 +7,7 @@
 
 use super::super::path;
 use super::super::read::Findings;
-use super::{extent, near::Boxes, probes};
+use super::{BRING_INSIDE, extent, near::Boxes, probes};
 use tremie_messages::scene::{
     BodySet, Domain, Face, Motion, Placement, Plane, Polyhedra, PolyhedronPlacement, Sphere,
 };
@@ -98,7 +98,7 @@ fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
             "a body of {diameter} m at {position:?} m is not inside the domain, which is {}",
             extent(domain)
         );
-        findings.problem(&path::join(&body.at, "position"), message);
+        findings.problem_with_help(&path::join(&body.at, "position"), message, BRING_INSIDE);
     }
 }
 
@@ -165,7 +165,8 @@ fn apart(bodies: &[Placed<'_>], domain: &Domain, findings: &mut Findings) {
     for (k, body) in bodies.iter().enumerate() {
         if let Some(other) = boxes.first_before(k, |j| overlap(&bodies[j], body, domain)) {
             let message = format!("this sphere overlaps {}", bodies[other].at);
-            findings.problem(&body.at, message);
+            let help = "move one of the two, or make it smaller";
+            findings.problem_with_help(&body.at, message, help);
         }
     }
 }

@@ -204,7 +204,7 @@ pub(super) fn inside(
     if !right {
         let message =
             format!("{point:?} m is not inside the domain, which is {}", super::extent(domain));
-        findings.problem(key, message);
+        findings.problem_with_help(key, message, super::BRING_INSIDE);
     }
     right
 }
