@@ -93,7 +93,7 @@ impl Grains for SoftSpheres {
         let (carried, faces) = (Carried::new(&surfaces), plane_walls::faces(scene).collect());
         let of_overlap = setup.assigned()?.watched.iter().find(|w| w.signal == MAX_OVERLAP);
         grains.watch_overlaps(of_overlap.map_or(f64::INFINITY, |watched| watched.limit));
-        let energy = EnergyAccount::default();
+        let energy = EnergyAccount::under(setup.hello.scene.gravity);
         Ok(Self { grains, tracked, few, carried, follow, faces, step, energy })
     }
 
@@ -162,7 +162,7 @@ impl Grains for SoftSpheres {
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         self.grains.exchange_state(state)?;
-        state.value("energy", &mut self.energy)
+        self.energy.exchange(state)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

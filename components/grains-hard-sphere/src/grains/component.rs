@@ -80,7 +80,7 @@ impl Grains for HardGrains {
             faces: plane_walls::faces(scene).count(),
             step: if spheres.is_by_events() { 0.0 } else { step },
             smallest: spheres.radii().fold(f64::INFINITY, f64::min),
-            energy: EnergyAccount::default(),
+            energy: EnergyAccount::under(scene.gravity),
             spheres,
         })
     }
@@ -103,7 +103,7 @@ impl Grains for HardGrains {
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         self.spheres.exchange_state(state)?;
-        state.value("energy", &mut self.energy)
+        self.energy.exchange(state)
     }
 
     fn place(&self, signal: &str) -> Option<Place> {

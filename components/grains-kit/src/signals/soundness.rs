@@ -6,6 +6,7 @@ use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, Motion, Scene, Spring};
 use tremie_messages::start::signal_row::SignalRow;
 use tremie_messages::{Limit, WatchedQuantity};
+use tremie_state::{StateError, StateExchange};
 
 /// How sound the motion is at the end of a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,10 +40,30 @@ pub const OF_SOUNDNESS: &[SignalRow<Soundness>] = &[
 /// The energy at the start, beside which later ones are seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyAccount {
+    gravity: [f64; 3],
     first: Option<f64>,
 }
 
 impl EnergyAccount {
+    /// Of grains with this acceleration of gravity [m/s2].
+    pub fn under(gravity: [f64; 3]) -> Self {
+        Self { gravity, first: None }
+    }
+
+    /// Keeps the account, or puts it back. Where a run goes on under another gravity, the grains have
+    /// another energy, and a new account begins.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let mut kept = *self;
+        state.value("energy", &mut kept)?;
+        if kept.gravity == self.gravity {
+            *self = kept;
+        }
+        Ok(())
+    }
+
     /// Growth of the energy since it was told first, over that; 0 if it fell, or was nothing.
     pub fn gain(&mut self, energy: f64) -> f64 {
         let first = *self.first.get_or_insert(energy);
@@ -118,6 +139,7 @@ pub fn limit_of_energy(scene: &Scene, remedy: impl Into<String>) -> Option<Limit
 mod tests {
     use super::*;
     use tremie_messages::scene::Domain;
+    use tremie_state::{KeepsState, SavedState};
 
     #[test]
     fn energy_counts_as_made_only_beyond_that_at_the_start() {
@@ -125,6 +147,25 @@ mod tests {
         assert_eq!([2.0, 1.0, 3.0].map(|energy| account.gain(energy)), [0.0, 0.0, 0.5]);
         let mut nothing = EnergyAccount::default();
         assert_eq!([0.0, 1.0].map(|energy| nothing.gain(energy)), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn another_gravity_begins_another_account() {
+        struct Kept(EnergyAccount);
+        impl KeepsState for Kept {
+            const STATE_VERSION: u32 = 1;
+            fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+                self.0.exchange(state)
+            }
+        }
+        let mut before = Kept(EnergyAccount::under([0.0, 0.0, -9.81]));
+        before.0.gain(2.0);
+        let saved = SavedState::of(&mut before).unwrap();
+        for (gravity, gain) in [(-9.81, 2.0), (4.0, 0.0)] {
+            let mut after = Kept(EnergyAccount::under([0.0, 0.0, gravity]));
+            saved.restore(&mut after).unwrap();
+            assert_eq!(after.0.gain(6.0), gain);
+        }
     }
 
     #[test]
