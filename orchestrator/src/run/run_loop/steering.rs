@@ -3,6 +3,7 @@
 //! A run that is held gets no credit beyond a window. A change of the manifest takes a checkpoint, ends
 //! the run in order, and is left to the caller, who goes on from the checkpoint with the changed manifest.
 
+use super::checkpoints::UnderWay;
 use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::{ChangeRecord, Ending, LogLevel, OutputError};
@@ -126,7 +127,9 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             asked.refuse(format!("the run is ending already, at window {last}"));
             return Ok(());
         }
-        let granted = state.granted.unwrap_or(self.first);
+        // The window of a checkpoint under way must be made: nothing that waits for it would end.
+        let begun = self.checkpoints.under_way.as_ref().map_or(0, UnderWay::window);
+        let granted = state.granted.unwrap_or(self.first).max(begun);
         match command {
             SteeringCommand::Status {} => {}
             SteeringCommand::Pause {} => {
