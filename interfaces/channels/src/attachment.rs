@@ -18,6 +18,11 @@ pub trait ChannelMedium: Service + 'static {
     const ZEROED: bool;
 }
 
+/// Longest wait for another member of the run that is making the same channel. A busy disk or a
+/// machine that stands still may hold that member up for seconds; whoever dies or hangs over it is
+/// found by the orchestrator, which then ends the run.
+const CREATION: Duration = Duration::from_secs(60);
+
 /// Components are processes.
 pub type SharedMemory = iceoryx2::service::ipc::Service;
 /// Components are threads of one process.
@@ -73,7 +78,7 @@ impl<S: ChannelMedium> Attachment<S> {
         let mut config = Config::default();
         config.global.prefix = FileName::new(prefix.as_bytes()).map_err(|e| open(&e))?;
         config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| open(&e))?);
-        config.global.creation_timeout = Duration::from_secs(5);
+        config.global.creation_timeout = CREATION;
         // The orchestrator sweeps after everyone has ended; sweeping while others start races with
         // them.
         config.global.node.cleanup_dead_nodes_on_creation = false;
