@@ -83,13 +83,13 @@ fn columns_of<'a>(
 }
 
 impl Recorder {
-    /// Keeps a message until its window is whole, and writes windows that became whole.
     /// Takes a message of a stream.
     fn take_of(&mut self, stream: Stream, at: Moment, data: Vec<u8>) -> Result<(), ObserverError> {
         let frame = frame(at, Some(&stream));
         self.take(stream, &frame, nanoseconds(at), data)
     }
 
+    /// Keeps a message until its window is whole, and writes windows that became whole.
     fn take(
         &mut self,
         stream: Stream,

@@ -42,35 +42,35 @@ pub fn damage(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut Ra
 }
 
 fn damage_once(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut Random) {
-    let piece = piece(random, bytes.len());
+    let cut = piece(random, bytes.len());
     match random.below(12) {
-        0 => bytes.iter_mut().skip(piece.start).take(1).for_each(|b| *b ^= 1 << random.below(8)),
-        1 => bytes.iter_mut().skip(piece.start).take(1).for_each(|b| *b = random.next() as u8),
-        2 => drop(bytes.drain(piece)),
-        3 => bytes.truncate(piece.start),
+        0 => bytes.iter_mut().skip(cut.start).take(1).for_each(|b| *b ^= 1 << random.below(8)),
+        1 => bytes.iter_mut().skip(cut.start).take(1).for_each(|b| *b = random.next() as u8),
+        2 => drop(bytes.drain(cut)),
+        3 => bytes.truncate(cut.start),
         4 => {
-            let copy = bytes[piece.clone()].to_vec();
+            let copy = bytes[cut.clone()].to_vec();
             let times = *random.one(&[1, 1, 2, 8, 300]);
-            insert(bytes, piece.start, &copy.repeat(times));
+            insert(bytes, cut.start, &copy.repeat(times));
         }
         5 => {
             let from = other[piece(random, other.len())].to_vec();
-            let at = piece.start;
-            bytes.drain(piece);
+            let at = cut.start;
+            bytes.drain(cut);
             insert(bytes, at, &from);
         }
         6 if !words.is_empty() => {
-            let at = piece.start;
+            let at = cut.start;
             insert(bytes, at, random.one(words).as_bytes());
         }
-        7 if !words.is_empty() => replace_word(bytes, piece.start, random.one::<&str>(words)),
-        8 | 9 => replace_number(bytes, piece.start, random.one::<&str>(&NUMBERS)),
+        7 if !words.is_empty() => replace_word(bytes, cut.start, random.one::<&str>(words)),
+        8 | 9 => replace_number(bytes, cut.start, random.one::<&str>(&NUMBERS)),
         10 => {
             let value =
                 *random.one(&[0, 1, 0x7f, 0xff, 0xffff, 0x7fff_ffff, u64::MAX >> 1, u64::MAX]);
             let width = *random.one(&[1, 2, 4, 8]);
             let numbers = value.to_le_bytes();
-            bytes.iter_mut().skip(piece.start).zip(&numbers[..width]).for_each(|(b, n)| *b = *n);
+            bytes.iter_mut().skip(cut.start).zip(&numbers[..width]).for_each(|(b, n)| *b = *n);
         }
         _ => swap_lines(bytes, random),
     }
