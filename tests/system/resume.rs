@@ -59,6 +59,19 @@ pub fn files(out: &Path) -> Vec<String> {
     found
 }
 
+/// How two runs differ, and where both versions of the file that told them apart are kept.
+fn difference(one: &Path, other: &Path, file: &str) -> String {
+    let kept = tempfile::Builder::new().prefix("differs-").tempdir_in(env!("CARGO_TARGET_TMPDIR"));
+    let kept = kept.unwrap().keep();
+    for (out, name) in [(one, "one"), (other, "other")] {
+        std::fs::copy(out.join(file), kept.join(name)).unwrap();
+    }
+    let told = tremie().arg("diff").args([one, other]).output().unwrap();
+    let told = [told.stdout, told.stderr].concat();
+    let told = String::from_utf8_lossy(&told);
+    format!("{file} differs; both are in {}\n{told}", kept.display())
+}
+
 /// That two runs made the same table, the same files, and the same states at all checkpoints.
 #[track_caller]
 pub fn assert_same(one: &Path, other: &Path) {
@@ -69,7 +82,7 @@ pub fn assert_same(one: &Path, other: &Path) {
     assert_eq!(line, None, "the tables differ from this line on");
     assert_eq!(a.lines().count(), b.lines().count());
     for file in files(one) {
-        assert!(read(one, &file) == read(other, &file), "{file} differs");
+        assert!(read(one, &file) == read(other, &file), "{}", difference(one, other, &file));
     }
     assert_eq!(files(one), files(other));
     assert_eq!(checkpoints(one), checkpoints(other));
@@ -123,6 +136,23 @@ fn a_gas_and_hard_spheres_go_on_on_another_number_of_threads() {
     // state no word of the fault.
     let record = ["--set", "outputs.record=true"];
     assert_resumes(shock, (3, "fluid:drop@15"), &record, &[]);
+}
+
+/// Checkpoints so close to each other that one is being written when a fault ends the run: no observer is
+/// lost over it, and none keeps what came after the checkpoint's window.
+#[test]
+fn a_fault_while_a_checkpoint_is_written_spoils_no_recording() {
+    let every = every(2);
+    let options =
+        ["--quiet", "--schedule", "parallel", "--set", "outputs.record=true", "--set", &every];
+    let whole = run_text(SMALL, &options).succeeded();
+    for window in [9, 18, 27, 36] {
+        let fault = format!("fluid:duplicate@{window}");
+        let broken = run_text(SMALL, &[&options[..], &["--inject", &fault]].concat());
+        assert!(!broken.errors().contains("is lost"), "{}", broken.errors());
+        resumed(&broken.out, &[]);
+        assert_same(&whole.out, &broken.out);
+    }
 }
 
 #[test]

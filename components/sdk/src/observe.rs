@@ -114,7 +114,7 @@ struct Inlet<S: ChannelMedium> {
 /// Checkpoints of an observer.
 struct Checkpoints {
     keeper: StateKeeper,
-    /// Window of the last one that it has kept its state for.
+    /// Window of the last one that it has kept its state for, or has given up.
     kept: u64,
     /// Last window whose frames it has seen, where the run goes on.
     seen: Option<u64>,
@@ -210,10 +210,13 @@ fn watch<S: ChannelMedium, O: Observer>(
         // Asked before the last look: what was sent before the request is then surely seen.
         let finishing = context.finish_requested()?;
         let (asked, all_kept) = context.checkpoint()?;
+        if finishing && !all_kept {
+            checkpoints.give_up(asked);
+        }
         let mut seen = false;
         // One frame of each stream after the other, so that no stream runs far ahead.
         for inlet in &mut inlets {
-            seen |= inlet.show_next(observer, context, checkpoints, finishing)?;
+            seen |= inlet.show_next(observer, context, checkpoints)?;
             if finishing && seen && told.elapsed() > PULSE {
                 told = Instant::now();
                 context.line().reply(&Reply::Busy {}).map_err(gone)?;
@@ -255,6 +258,12 @@ impl Checkpoints {
     /// True if the observer has yet to keep its state for the checkpoint of window `asked`.
     fn are_due(&self, asked: u64) -> bool {
         self.keeper.has_state() && asked > self.kept
+    }
+
+    /// The run ends before all physics has kept its state for the checkpoint of window `asked`. From now
+    /// on the observer is shown what came after that window, so it must keep no state for it.
+    fn give_up(&mut self, asked: u64) {
+        self.kept = self.kept.max(asked);
     }
 }
 
@@ -307,14 +316,11 @@ impl<S: ChannelMedium> Inlet<S> {
         observer: &mut O,
         context: &mut Context<S>,
         checkpoints: &Checkpoints,
-        finishing: bool,
     ) -> Result<bool, Stop> {
         let clock = context.assignment.clock;
         let mut may = |window: u64| {
-            let (asked, all_kept) = context.checkpoint()?;
-            // At the end of a run that failed, a checkpoint may never become whole.
-            let holds = checkpoints.are_due(asked) && (all_kept || !finishing);
-            Ok(!holds || window <= asked)
+            let (asked, _) = context.checkpoint()?;
+            Ok(!checkpoints.are_due(asked) || window <= asked)
         };
         let seen = checkpoints.seen.filter(|_| self.plan.content != FrameContent::Log);
         let shown = match self.take(observer, &clock, seen, &mut may)? {

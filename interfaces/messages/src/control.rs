@@ -4,7 +4,7 @@ use crate::{Message, Stamp};
 
 /// Credit: the last window that a component may advance through, or an order to end.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Credit {
     /// Id of the run.
     pub run: u64,
@@ -27,6 +27,18 @@ impl Credit {
     pub const FINISH: u64 = 1;
     /// End at once; another component failed or the user asked for it.
     pub const ABORT: u64 = 2;
+
+    /// This word where `earlier` was said before. The channel keeps the newest word only, which may be the
+    /// first that a component reads: nothing that was said before may be missing in it.
+    pub fn after(self, earlier: Self) -> Self {
+        Self {
+            run: self.run,
+            window: self.window.max(earlier.window),
+            command: self.command.max(earlier.command),
+            checkpoint: self.checkpoint.max(earlier.checkpoint),
+            kept: self.kept.max(earlier.kept),
+        }
+    }
 }
 
 /// A component's account of one window, sent to the orchestrator with its signals as payload, and the
@@ -55,4 +67,20 @@ unsafe impl Message for Credit {
 // SAFETY: a stamp of 40 bytes and five words, no padding.
 unsafe impl Message for Report {
     const TYPE_NAME: &'static str = "tremie.Report.2";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_word_takes_back_what_was_said_before() {
+        let run = 7;
+        let finish = Credit { run, window: 40, command: Credit::FINISH, checkpoint: 30, kept: 20 };
+        let kept = Credit { run, window: 0, command: Credit::ADVANCE, checkpoint: 30, kept: 30 };
+        assert_eq!(kept.after(finish), Credit { kept: 30, ..finish });
+        assert_eq!(finish.after(Credit::default()), finish);
+        let abort = Credit { command: Credit::ABORT, ..kept };
+        assert_eq!(abort.after(finish).command, Credit::ABORT);
+    }
 }

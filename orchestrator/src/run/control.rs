@@ -13,6 +13,8 @@ use tremie_sdk::{credit_spec, frame_spec, report_spec};
 
 struct End<S: ChannelMedium> {
     credit: Sender<S, Stamp, Credit>,
+    /// The last word that was sent on it.
+    said: Cell<Credit>,
     report: Receiver<S, Report, f64>,
     ringer: Ringer<S>,
 }
@@ -57,6 +59,7 @@ impl<S: ChannelMedium> Control<S> {
             let report = report_spec(&assignment.transport, *signals);
             ends.push(End {
                 credit: attachment.sender(credit_spec(&assignment.transport.credit_service))?,
+                said: Cell::default(),
                 report: attachment.receiver(report)?,
                 ringer: Ringer::of(&attachment, &peer.name)?,
             });
@@ -89,6 +92,8 @@ impl<S: ChannelMedium> Control<S> {
         let end = &self.ends[index];
         let (checkpoint, kept) = (self.checkpoint.get(), self.kept.get());
         let word = Credit { run: self.run, window, command, checkpoint, kept };
+        let word = word.after(end.said.get());
+        end.said.set(word);
         end.credit.send_copy(Stamp::default(), &[word])?;
         end.ringer.ring()
     }

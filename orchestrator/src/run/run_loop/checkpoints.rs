@@ -24,6 +24,9 @@ use tremie_messages::Role;
 use tremie_messages::control::Credit;
 use tremie_state::{KeepsState, SavedState, StateError, StateExchange};
 
+/// Longest wait for the replies of components that have ended.
+const LAST_REPLIES: Duration = Duration::from_millis(100);
+
 /// Checkpoints of a run.
 pub struct CheckpointKeeping {
     /// When they are made, and how many are kept.
@@ -266,6 +269,34 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         })
     }
 
+    /// Decides, when the physics is over, whether a checkpoint under way can become whole. It is given up
+    /// before observers are told to finish: they are then shown what came after its window, and could
+    /// keep nothing else for it.
+    pub(super) fn settle_checkpoint(&mut self, state: &mut LoopState) {
+        let begin = Instant::now();
+        // Components that have ended by now may have written their states before.
+        while self.awaits_physics() && begin.elapsed() < LAST_REPLIES {
+            self.take_last_events(state, LAST_REPLIES / 100);
+        }
+        let can_become_whole = |it: &UnderWay| it.own.is_some() && !self.misses_physics(it);
+        if !self.checkpoints.under_way.as_ref().is_some_and(can_become_whole) {
+            self.checkpoints.under_way = None;
+        }
+    }
+
+    /// True while a checkpoint under way misses replies of the physics that can still come.
+    fn awaits_physics(&self) -> bool {
+        self.checkpoints.under_way.as_ref().is_some_and(|it| {
+            let closed = |index: &usize| self.physics.contains(index) && self.peers[*index].closed;
+            it.own.is_some() && self.misses_physics(it) && !it.missing.iter().any(closed)
+        })
+    }
+
+    /// True if a checkpoint misses replies of the physics.
+    fn misses_physics(&self, under_way: &UnderWay) -> bool {
+        under_way.missing.iter().any(|index| self.physics.contains(index))
+    }
+
     /// An observer is gone: no checkpoint waits for it.
     pub(super) fn forget_in_checkpoints(&mut self, index: usize) -> Result<(), OutputError> {
         self.checkpoints.record.components.remove(&self.peers[index].name);
@@ -278,8 +309,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Lets observers keep their states once all physics has, and finishes the checkpoint once all have.
     fn look_at_replies(&mut self) -> Result<(), OutputError> {
         let Some(under_way) = &self.checkpoints.under_way else { return Ok(()) };
-        let is_physics = |index: &&usize| self.physics.contains(index);
-        if under_way.own.is_none() || under_way.missing.iter().any(|index| is_physics(&index)) {
+        if under_way.own.is_none() || self.misses_physics(under_way) {
             return Ok(());
         }
         if !under_way.missing.is_empty() {

@@ -190,6 +190,8 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
         let wall = self.wall_before + state.begin.elapsed();
         let mut ending = self.conclude(&mut state, went.err());
+        state.is_over = true;
+        self.settle_checkpoint(&mut state);
         // Rows that were complete when the end came belong to the record.
         let _ = self.take_reports();
         let rows = self.take_last_rows().and_then(|()| self.table.close());
@@ -202,7 +204,6 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         if let Err(error) = self.log_ending(&ending, window) {
             ending.spoil(error.into_fault(window));
         }
-        state.is_over = true;
         self.finish_observers(&mut state, window);
         if let Some(fault) = state.spoilt.take() {
             ending.spoil(fault);

@@ -86,13 +86,17 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
                     let _ = self.lose_observer(state, *index, &why);
                 }
             }
-            // The physics is over: a fault now concerns observers only, and the files that they
-            // write.
-            if let Err(EndReason::Fault(fault)) = self.take_events(state, Duration::from_millis(5))
-                && fault.kind == FaultKind::Output
-            {
-                state.spoilt.get_or_insert(*fault);
-            }
+            self.take_last_events(state, Duration::from_millis(5));
+        }
+    }
+
+    /// Handles arrivals when the physics is over: a fault now concerns observers only, and the files that
+    /// they write.
+    pub(super) fn take_last_events(&mut self, state: &mut LoopState, nap: Duration) {
+        if let Err(EndReason::Fault(fault)) = self.take_events(state, nap)
+            && fault.kind == FaultKind::Output
+        {
+            state.spoilt.get_or_insert(*fault);
         }
     }
 
