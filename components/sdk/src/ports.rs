@@ -325,9 +325,24 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
     /// Sends `loan` with the stamp of the present window.
     pub fn send(&self, context: &Context<S>, mut loan: Loan<S, Stamp, T>) -> Result<(), Stop> {
         self.keep_under_way(context, loan.values());
-        self.tell(context, self.stamp(context), loan.values());
-        let sent = loan.send(self.stamp(context)).and_then(|()| self.ringer.ring());
-        sent.map_err(|error| self.broken(error, context.window))
+        self.send_and_tell(context, loan, self.stamp(context), true)
+    }
+
+    /// Sends a message, and then lets observers know of it: hashing takes time, in which the receiver can
+    /// work already.
+    fn send_and_tell(
+        &self,
+        context: &Context<S>,
+        loan: Loan<S, Stamp, T>,
+        stamp: Stamp,
+        ring: bool,
+    ) -> Result<(), Stop> {
+        let sent = self.sender.send_then(loan, stamp, |values| {
+            let rung = if ring { self.ringer.ring() } else { Ok(()) };
+            self.tell(context, stamp, values);
+            rung
+        });
+        sent.flatten().map_err(|error| self.broken(error, context.window))
     }
 
     /// Lets observers that ask know of a message.
@@ -419,9 +434,7 @@ impl<S: ChannelMedium, T: Finite> OutPort<S, T> {
         ring: bool,
     ) -> Result<(), Stop> {
         self.check_finite(context, loan.values())?;
-        self.tell(context, stamp, loan.values());
-        let sent = loan.send(stamp).and_then(|()| if ring { self.ringer.ring() } else { Ok(()) });
-        sent.map_err(|error| self.broken(error, context.window))
+        self.send_and_tell(context, loan, stamp, ring)
     }
 
     /// Rings the receiver's bell.

@@ -8,6 +8,7 @@ use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::sample_mut_uninit::SampleMutUninit;
+use std::cell::Cell;
 use std::mem::MaybeUninit;
 use std::rc::Rc;
 use std::time::Duration;
@@ -19,6 +20,8 @@ pub struct Sender<S: ChannelMedium, H: Message + Default, T: Message> {
     publisher: Publisher<S, [Wire<T>], Wire<H>>,
     name: Rc<str>,
     capacity: usize,
+    /// Somebody reads the last message still.
+    is_read: Cell<bool>,
 }
 
 impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
@@ -44,7 +47,8 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
             })
             .create()
             .map_err(|e| ChannelError::open(spec.service, e))?;
-        Ok(Self { publisher, name: spec.service.into(), capacity: spec.capacity.max(1) })
+        let (name, capacity) = (spec.service.into(), spec.capacity.max(1));
+        Ok(Self { publisher, name, capacity, is_read: Cell::new(false) })
     }
 
     /// Connects to a receiver that has opened its end by now, so that the first send need not.
@@ -61,7 +65,11 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
     ///
     /// # Errors
     /// [`ChannelError::Capacity`] if the channel was made for less.
+    ///
+    /// # Panics
+    /// Inside the function that [`Sender::send_then`] calls.
     pub fn loan(&self, count: usize) -> Result<Loan<S, H, T>, ChannelError> {
+        assert!(!self.is_read.get(), "a message that was sent is still being read");
         if count > self.capacity {
             return Err(ChannelError::Capacity {
                 channel: self.name.to_string(),
@@ -80,6 +88,32 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
             }
         }
         Ok(Loan { sample, name: self.name.clone() })
+    }
+
+    /// Sends `loan`, one of this sender's, and then does with its values what need not be done before the
+    /// receiver has them.
+    ///
+    /// # Errors
+    /// As [`Loan::send`]; then nothing more is done.
+    ///
+    /// # Panics
+    /// If the loan is another sender's.
+    pub fn send_then<R>(
+        &self,
+        mut loan: Loan<S, H, T>,
+        header: H,
+        then: impl FnOnce(&[T]) -> R,
+    ) -> Result<R, ChannelError> {
+        assert!(Rc::ptr_eq(&loan.name, &self.name), "a loan is sent by the sender that gave it");
+        let values: *const [T] = loan.values();
+        loan.send(header)?;
+        self.is_read.set(true);
+        // SAFETY: the memory is this sender's, which lives as long as `self`. Receivers only read it, and
+        // the sender, which belongs to one thread, writes to it at the next loan at the earliest: there
+        // is none while `is_read`.
+        let done = then(unsafe { &*values });
+        self.is_read.set(false);
+        Ok(done)
     }
 
     /// Sends a message whose values are copied from `values`.

@@ -75,6 +75,41 @@ fn messages_arrive_in_order_between_threads() {
     messages_arrive_in_order::<InProcess>();
 }
 
+fn what_is_left_to_do_with_a_message_waits_until_it_is_sent<S: ChannelMedium>() {
+    let places = places();
+    let (one, other) = (attach::<S>(&places, "one"), attach::<S>(&places, "other"));
+    let receiver = other.receiver::<Stamp, f64>(lossless(3, 2)).unwrap();
+    let sender = one.sender::<Stamp, f64>(lossless(3, 2)).unwrap();
+    meet(&sender, &receiver);
+    for window in 0..10 {
+        let mut loan = sender.loan(2).unwrap();
+        loan.values().copy_from_slice(&[0.5, window as f64]);
+        let seen = sender.send_then(loan, stamp(window), |values| {
+            let taken = receiver.take().unwrap().unwrap();
+            assert_eq!((*taken.header(), taken.values()), (stamp(window), values));
+            drop(taken);
+            values.to_vec()
+        });
+        assert_eq!(seen.unwrap(), [0.5, window as f64]);
+    }
+    // Else it could be written to while it is read.
+    let loan = sender.loan(1).unwrap();
+    let loaned = std::panic::AssertUnwindSafe(|| {
+        let _ = sender.send_then(loan, stamp(10), |_| sender.loan(1).map(|_| ()));
+    });
+    assert!(std::panic::catch_unwind(loaned).is_err());
+}
+
+#[test]
+fn what_is_left_to_do_with_a_message_waits_until_it_is_sent_between_processes() {
+    what_is_left_to_do_with_a_message_waits_until_it_is_sent::<SharedMemory>();
+}
+
+#[test]
+fn what_is_left_to_do_with_a_message_waits_until_it_is_sent_between_threads() {
+    what_is_left_to_do_with_a_message_waits_until_it_is_sent::<InProcess>();
+}
+
 #[test]
 fn a_message_that_is_too_large_is_refused_with_both_sizes() {
     let places = places();
