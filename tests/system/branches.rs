@@ -1,6 +1,6 @@
 //! Runs that begin from a checkpoint of another, and changes that hold from there on.
 
-use crate::tremie::{Ran, run_text};
+use crate::tremie::{Ran, SMALL, run_text};
 
 /// A piston that drives a fluid past a paddle and a grain on the floor.
 const CHANNEL: &str = r#"
@@ -135,5 +135,82 @@ fn a_state_that_does_not_fit_is_refused_by_name() {
         let ran = run_text(CHANNEL, &["--quiet", "--from", &from]);
         assert_eq!(ran.code(), Some(2));
         assert!(ran.errors().contains(why), "{}", ran.errors());
+    }
+}
+
+/// [`SMALL`] without its fluid.
+fn dry() -> String {
+    let fluid = "[scene.fluid]\ndensity = \"1000 kg/m3\"\nviscosity = \"0.05 Pa s\"\n\n";
+    let settings = "[settings.fluid-lbm]\ncell = \"0.5 mm\"\n\n";
+    let wet = [fluid, "fluid = \"fluid-lbm\"\n", settings];
+    let dry = wet.iter().fold(SMALL.to_string(), |text, wet| text.replace(wet, ""));
+    assert!(!dry.contains("fluid"), "{dry}");
+    dry
+}
+
+/// Places and velocities of the grains in a row of signals.
+fn grains_in(ran: &Ran, row: usize) -> Vec<f64> {
+    let signals = ran.signals();
+    let of = |body: usize| {
+        ["x", "y", "z", "vx", "vy", "vz"]
+            .map(|name| signals[&format!("grains.body{body}_{name}")][row])
+    };
+    (0..3).flat_map(of).collect()
+}
+
+#[test]
+fn a_bed_that_settled_dry_is_poured_over() {
+    let keep =
+        ["--quiet", "--until", "60 ms", "--set", "run.checkpoints={ windows = 400, keep = 99 }"];
+    let bed = run_text(&dry(), &keep).succeeded();
+    let newest = checkpoints(&bed.out).pop().unwrap();
+    let window: usize = newest.rsplit('-').next().unwrap().parse().unwrap();
+    let from = format!("{}@{window}", bed.out.display());
+    let poured = |text: &str, options: &[&str]| {
+        run_text(text, &[&["--quiet", "--until", "5 ms", "--from", &from], options].concat())
+    };
+    let wet = poured(SMALL, &[]).succeeded();
+    // Where the dry grains were, and at time zero.
+    assert_eq!(grains_in(&wet, 0), grains_in(&bed, window));
+    assert_eq!(wet.signals()["time"][0], 0.0);
+    let log = std::fs::read_to_string(wet.out.join("log.jsonl")).unwrap();
+    assert!(log.contains("begins at time zero with the bodies of"), "{log}");
+    // The fluid knows all of them, and carries its share of their weight.
+    let weight =
+        9.81 * 2500.0 * std::f64::consts::PI / 6.0 * (2.0 * 3e-3_f64.powi(3) + 4e-3_f64.powi(3));
+    let share = wet.signals()["grains.impulse_received_z"].last().unwrap() / 5e-3 / weight;
+    assert!((0.3..0.5).contains(&share), "{share}");
+    // Another fluid, in parallel, in one process; the same bits on another number of threads.
+    let other = SMALL.replace("fluid-lbm", "fluid-pic");
+    for (text, options) in [
+        (SMALL, &["--set", "components.grains.threads=1", "--in-process"][..]),
+        (&other, &["--schedule", "parallel"]),
+    ] {
+        let ran = poured(text, options).succeeded();
+        assert_eq!(grains_in(&ran, 0), grains_in(&bed, window));
+        assert_eq!(text == SMALL, ran.signals_text() == wet.signals_text());
+    }
+}
+
+#[test]
+fn bodies_that_a_run_cannot_begin_with_are_refused_by_name() {
+    let keep = ["--quiet", "--set", "run.checkpoints={ windows = 100, keep = 1 }"];
+    let bed = run_text(&dry(), &keep).succeeded();
+    let bed = bed.out.display().to_string();
+    let hard = SMALL.replace("grains-dem", "grains-hard-sphere");
+    for (text, change, why) in [
+        (
+            SMALL,
+            "scene.bodies[0].density=2600 kg/m3",
+            "scene.bodies[0].density must be as in the run",
+        ),
+        (SMALL, "scene.domain.size[0]=13 mm", "scene.domain.size[0] must be as in the run"),
+        (SMALL, "scene.domain.x=periodic", "scene.domain.x must be as in the run"),
+        (SMALL, "settings.grains-dem.skin=0.3", "settings.grains-dem"),
+        (&hard, "run.seed=2", "no grains of the same name and program"),
+    ] {
+        let ran = run_text(text, &["--quiet", "--from", &bed, "--set", change]);
+        assert!(ran.errors().contains(why), "{change}: {}", ran.errors());
+        assert!(ran.code() == Some(2) && !ran.out.exists(), "{change}");
     }
 }

@@ -56,6 +56,9 @@ struct GrainsPlayer<S: ChannelMedium, G: Grains> {
     ports: Vec<PortState>,
     impulse: Impulse,
     sizes: Sizes,
+    /// The run begins with bodies of another: all are announced in the start exchange, not those that came
+    /// or went in that run's last window.
+    has_taken_bodies: bool,
     /// Opposite a rubber: the exchange with it inside a window.
     inside: Option<SubstepCoupling<S>>,
 }
@@ -91,6 +94,7 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
             ports: PortState::all(&setup.hello.scene),
             impulse: Impulse::default(),
             sizes: Sizes::of(&setup.hello.scene),
+            has_taken_bodies: false,
             inside: None,
         };
         player.note_events();
@@ -153,7 +157,8 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop> {
         match (content, &self.events, &self.state) {
             (Content::Events, Some(port), _) => {
-                let events = self.grains.events();
+                let begins = self.has_taken_bodies && context.window == 0;
+                let events = if begins { &self.kinds } else { self.grains.events() };
                 let mut loan = port.loan(events.len())?;
                 loan.values().copy_from_slice(events);
                 port.send(context, loan)
@@ -181,6 +186,15 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
         state.value("impulse", &mut self.impulse)?;
         self.events.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
         self.state.as_mut().map_or(Ok(()), |port| port.exchange(state))
+    }
+
+    fn take_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.within("grains", |state| self.grains.take_bodies(state))?;
+        state.value("kinds", &mut self.kinds)?;
+        state.leave_rest();
+        self.answers.note(self.kinds.iter().map(|kind| kind.id));
+        self.has_taken_bodies = true;
+        Ok(())
     }
 
     fn signals(&mut self, values: &mut Vec<f64>, _: bool) {

@@ -33,6 +33,10 @@ pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     }
     /// Keeps the state at a window's end, the solver's and the adapter's own, or puts it back.
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
+    /// Puts the bodies of another run's state back, with which this run begins.
+    fn take_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.unfit("only grains begin with the bodies of another run")
+    }
     /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when
     /// they were measured last.
     fn signals(&mut self, values: &mut Vec<f64>, measure: bool);

@@ -267,6 +267,16 @@ pub trait Grains: Sized {
         Err(no_state(Self::PROGRAM))
     }
 
+    /// Puts bodies and contacts of a state back, which [`Grains::exchange_state`] of another run named:
+    /// one of the same bodies, parts and laws of contact, with or without a fluid. Time begins with
+    /// them, and so do sums and means. The sdk announces all bodies that there are then.
+    ///
+    /// # Errors
+    /// A state that is damaged or does not fit; grains that cannot begin so.
+    fn take_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.unfit(format!("{} takes no bodies of another run", Self::PROGRAM))
+    }
+
     /// Pushes the values of the signals, in the order of the description. Those that the
     /// description calls sampled are reported only in windows whose row is kept.
     fn signals(&mut self, values: &mut Vec<f64>);

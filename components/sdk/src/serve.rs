@@ -194,7 +194,7 @@ fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     let mut frames = Frames::open(context)?;
     let gone = |_| Stop::Aborted;
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
-    let first = match &resume {
+    let first = match resume.as_ref().filter(|resume| !resume.bodies_only) {
         None => 0,
         Some(resume) if go_on(player, context, &mut frames, (resume.window, signals))? => {
             resume.window + 1
@@ -266,7 +266,10 @@ fn put_back_state<S: ChannelMedium, P: RoleAdapter<S>>(
     resume: &Resume,
 ) -> Result<(), Stop> {
     let sent = context.sent.get_mut();
-    let put_back = keeper.put_back(resume, |state| exchange_state(player, sent, state));
+    let put_back = keeper.put_back(resume, |state| match resume.bodies_only {
+        true => player.take_bodies(state),
+        false => exchange_state(player, sent, state),
+    });
     put_back.map_err(|error| context.fault(FaultKind::State, &context.component, error.to_string()))
 }
 

@@ -34,7 +34,7 @@ pub use watch::{Place, WatchedQuantity, WatchedSignal};
 
 /// Version of everything in this crate that crosses a process boundary. A component of another
 /// version is refused at the handshake, before anything is computed.
-pub const INTERFACE_VERSION: u32 = 5;
+pub const INTERFACE_VERSION: u32 = 6;
 
 /// A value that may cross shared memory.
 ///

@@ -199,6 +199,14 @@ impl<'a> StateExchange<'a> {
         Err(StateError::Unfit(why.into()))
     }
 
+    /// Leaves the rest of a state that is put back where it is, for a component that wants only a part of it.
+    /// Without this every entry must be asked for; after it none can be.
+    pub fn leave_rest(&mut self) {
+        if let Way::Restore(source) = &self.way {
+            self.names.extend(source.names());
+        }
+    }
+
     /// Ends an exchange: every entry has been asked for.
     pub(crate) fn end(self) -> Result<(), StateError> {
         let Way::Restore(source) = self.way else { return Ok(()) };

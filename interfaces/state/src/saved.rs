@@ -71,9 +71,20 @@ impl SavedState {
     /// # Errors
     /// A state of another scene or version; the component is of no use then.
     pub fn restore<T: KeepsState>(&self, component: &mut T) -> Result<(), StateError> {
+        self.put_back(|state| component.exchange_state(state))
+    }
+
+    /// Puts the state back where `tell` names it.
+    ///
+    /// # Errors
+    /// Those of `tell`; a state that has more or less than it names.
+    pub fn put_back(
+        &self,
+        tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
+    ) -> Result<(), StateError> {
         let mut source = self;
         let mut exchange = StateExchange::restoring(&mut source);
-        component.exchange_state(&mut exchange)?;
+        tell(&mut exchange)?;
         exchange.end()
     }
 

@@ -189,8 +189,9 @@ pub struct RunArgs {
     /// twice ends the run
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub restart_on_fault: u32,
-    /// Begin from a checkpoint of another run, whose manifest may differ in what `tremie resume --set` can
-    /// change: its folder of outputs, and the window if it is not the newest
+    /// Begin from a checkpoint of another run: its folder of outputs, and the window if it is not the newest. The
+    /// manifest may differ in what `tremie resume --set` can change. With other components the run begins at
+    /// time zero, with the bodies of the grains
     #[arg(long, value_name = "OUT[@WINDOW]", value_parser = parse_from)]
     pub from: Option<(PathBuf, Option<u64>)>,
     /// Make the changes of another run at the same windows: its steering.jsonl, beside its begun.toml

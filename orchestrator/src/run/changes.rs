@@ -3,8 +3,10 @@
 //! A run takes a change where it goes on from a checkpoint. What a state holds cannot change: bodies,
 //! cells, steps. What holds from then on can: how long, outputs, what drives the physics, friction.
 
-use crate::manifest::{self, Manifest, ManifestErrors};
+use crate::manifest::{self, ComponentSpec, Manifest, ManifestErrors};
+use crate::run::origin::Takes;
 use std::path::Path;
+use tremie_messages::Role;
 
 /// Keys that may change, and all below them; `*` stands for any one key, `[]` for any entry of a list.
 const MAY_CHANGE: &[&str] = &[
@@ -43,6 +45,23 @@ const MAY_CHANGE: &[&str] = &[
 /// own.
 const OWN_OUTPUTS: &[&str] = &["settings.recorder", "settings.fields", "settings.profiles"];
 
+/// What besides may be otherwise in a run that begins with the bodies of another.
+const BESIDE_BODIES: &[&str] = &[
+    "components",
+    "run",
+    "settings",
+    "scene.fluid",
+    "scene.domain.x",
+    "scene.domain.y",
+    "scene.domain.z",
+    "scene.drag_bands",
+    "scene.gaps",
+    "scene.inlets[].until",
+    "scene.parts[].boundary",
+    "scene.probes",
+    "scene.profiles",
+];
+
 /// Why a manifest was not changed.
 #[derive(Debug, thiserror::Error)]
 pub enum NotChanged {
@@ -55,6 +74,17 @@ pub enum NotChanged {
         /// The keys.
         keys: Vec<String>,
     },
+    /// A run cannot begin with the bodies of another.
+    #[error("{} must be as in the run of the checkpoint: this run has other components, so it begins with the bodies of that one; what may differ: {}", keys.join(", "), [MAY_CHANGE, BESIDE_BODIES].concat().join(", "))]
+    Bodies {
+        /// Keys that differ.
+        keys: Vec<String>,
+    },
+    /// Runs of different components have no grains in common.
+    #[error(
+        "this run has other components than that of the checkpoint, and no grains of the same name and program with whose bodies it could begin"
+    )]
+    NoGrains,
 }
 
 /// The manifest of a run, its `text` as resolved, with `sets` laid over it from a window on; `file` is what
@@ -69,15 +99,51 @@ pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Man
     only(MAY_CHANGE, keys).map(|()| changed)
 }
 
-/// Checks that a run of `manifest` can begin from a checkpoint of another run, whose manifest as resolved
-/// is `text`; `file` is what messages call it.
+/// What a run of `manifest` takes of a checkpoint of another run, whose manifest as resolved is `text`;
+/// `file` is what messages call it. With the components of that run it goes on from their states. With
+/// others it begins with the bodies of the grains.
 ///
 /// # Errors
 /// [`NotChanged`].
-pub fn check_branch(file: &Path, text: &str, manifest: &Manifest) -> Result<(), NotChanged> {
+pub fn branch(file: &Path, text: &str, manifest: &Manifest) -> Result<Takes, NotChanged> {
     let before = manifest::parse(file, text.into(), &[]).map_err(NotChanged::Wrong)?;
     let keys = manifest::differences(&before, manifest);
-    only(&[MAY_CHANGE, OWN_OUTPUTS].concat(), keys)
+    if physics(&before) == physics(manifest) {
+        return only(&[MAY_CHANGE, OWN_OUTPUTS].concat(), keys).map(|()| Takes::States);
+    }
+    let grains = manifest.spec.components.iter().find(|component| component.role == Role::Grains);
+    let Some(grains) = grains.filter(|grains| physics(&before).contains(&part(grains))) else {
+        return Err(NotChanged::NoGrains);
+    };
+    // Across faces of a periodic axis bodies touch.
+    let domains = [&before, manifest].map(|manifest| &manifest.spec.scene.domain);
+    let other_axis =
+        (0..3).find(|axis| domains[0].is_periodic(*axis) != domains[1].is_periodic(*axis));
+    let periodic = other_axis.map(|axis| format!("scene.domain.{}", ["x", "y", "z"][axis]));
+    let own = [format!("components.{}", grains.name), format!("settings.{}", grains.stem())];
+    let depends = |key: &String| {
+        let is_own = own.iter().any(|own| is_within(key, own)) && !is_of_work(key);
+        let may = [MAY_CHANGE, OWN_OUTPUTS, BESIDE_BODIES].concat();
+        Some(key) == periodic.as_ref() || is_own || !may.iter().any(|may| is_within(key, may))
+    };
+    let keys: Vec<String> = keys.into_iter().filter(depends).collect();
+    if keys.is_empty() { Ok(Takes::Bodies) } else { Err(NotChanged::Bodies { keys }) }
+}
+
+/// Components of the physics, in the order of the manifest.
+fn physics(manifest: &Manifest) -> Vec<(Role, &str, &str)> {
+    let components = manifest.spec.components.iter().filter(|c| c.role != Role::Observer);
+    components.map(part).collect()
+}
+
+/// A component's role, name and program.
+fn part(component: &ComponentSpec) -> (Role, &str, &str) {
+    (component.role, &component.name, &component.program)
+}
+
+/// True of keys that say how a component works and not what it does.
+fn is_of_work(key: &str) -> bool {
+    ["components.*.threads", "components.*.sync_iter"].iter().any(|work| is_within(key, work))
 }
 
 /// Checks that all `keys` may change.

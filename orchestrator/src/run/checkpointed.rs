@@ -1,6 +1,7 @@
 //! What checkpoints of a run are of, and whether one fits a run that shall go on from it.
 
-use crate::outputs::{CheckpointRecord, WholeCheckpoint};
+use crate::outputs::CheckpointRecord;
+use crate::run::origin::Origin;
 use crate::run::run_loop::component_record;
 use crate::run::{Prepared, RunError};
 use std::path::Path;
@@ -35,12 +36,12 @@ impl Prepared {
         }
     }
 
-    /// Checks that a run of this plan can go on from a checkpoint.
+    /// Checks that a run of this plan can begin from a checkpoint.
     ///
     /// # Errors
     /// Everything that differs.
-    pub(super) fn check_fit(&self, from: &WholeCheckpoint) -> Result<(), RunError> {
-        let record = &from.record;
+    pub(super) fn check_fit(&self, from: Origin<'_>) -> Result<(), RunError> {
+        let record = &from.checkpoint.record;
         let mut why = Vec::new();
         let mut compare = |what: &str, kept: String, now: String| {
             if kept != now {
@@ -48,27 +49,27 @@ impl Prepared {
             }
         };
         compare("machine", record.machine.clone(), machine());
-        let window = |window: f64| format!("windows of {window:e} s");
-        compare("time step", window(record.clock.window()), window(self.plan.clock.window()));
-        for (component, description) in self.plan.components.iter().zip(&self.descriptions) {
-            let (name, program) = (&component.name, program_name(&description.program));
-            let kept = record.components.get(name);
-            let say = |program: &str, state: Option<u32>| match state {
-                Some(state) => format!("{program}, state version {state}"),
-                None => format!("{program}, which keeps no state"),
-            };
-            let now = say(program, description.state);
-            match kept {
+        if from.window().is_some() {
+            let window = |window: f64| format!("windows of {window:e} s");
+            compare("time step", window(record.clock.window()), window(self.plan.clock.window()));
+        }
+        let described = self.plan.components.iter().zip(&self.descriptions);
+        for (component, description) in described.filter(|(c, _)| from.resume(c.role).is_some()) {
+            let name = &component.name;
+            let now = say(program_name(&description.program), description.state);
+            match record.components.get(name) {
                 None if component.role == Role::Observer => {}
                 None => compare(name, "no such component".into(), now),
                 Some(kept) => {
                     compare(name, say(program_name(&kept.program), Some(kept.state)), now);
-                    let steps = |substeps: u32| format!("{substeps} steps in a window");
-                    compare(name, steps(kept.substeps), steps(component.substeps));
+                    if from.window().is_some() {
+                        let steps = |substeps: u32| format!("{substeps} steps in a window");
+                        compare(name, steps(kept.substeps), steps(component.substeps));
+                    }
                 }
             }
         }
-        if record.window >= self.plan.windows {
+        if from.window().is_some_and(|window| window >= self.plan.windows) {
             why.push(format!(
                 "it is of window {}, and the run ends at window {}: make it longer, as with --until",
                 record.window, self.plan.windows
@@ -77,6 +78,14 @@ impl Prepared {
         if why.is_empty() {
             return Ok(());
         }
-        Err(RunError::Unfit { checkpoint: from.folder().display().to_string(), why })
+        Err(RunError::Unfit { checkpoint: from.checkpoint.folder().display().to_string(), why })
+    }
+}
+
+/// A program that keeps its state, or none.
+fn say(program: &str, state: Option<u32>) -> String {
+    match state {
+        Some(state) => format!("{program}, state version {state}"),
+        None => format!("{program}, which keeps no state"),
     }
 }

@@ -1,9 +1,9 @@
 //! Execution of a run, from the assignments to the summary.
 
-use crate::manifest::Manifest;
+use crate::manifest::{Manifest, ORCHESTRATOR};
 use crate::outputs::{
-    self, ComponentSummary, LaterCheckpoints, OutputError, RunFolder, RunLog, SignalTable,
-    Statistics, Summary, Trace, WholeCheckpoint,
+    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, RunFolder, RunLog,
+    SignalTable, Statistics, Summary, Trace,
 };
 use crate::plan::REPORT_DEPTH;
 use crate::preflight;
@@ -12,6 +12,7 @@ use crate::run::control::Control;
 use crate::run::handshake::cores;
 use crate::run::launch::{ComponentEvent, Peer, PeerEvent, end_all};
 use crate::run::monitor::{Monitor, WatchedComponent};
+use crate::run::origin::Origin;
 use crate::run::run_loop::{Change, CheckpointKeeping, LoopOutcome, RunLoop, Steering};
 use crate::run::stop_conditions::StopConditions;
 use crate::run::watchdogs::Watchdogs;
@@ -25,7 +26,7 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::sweep::{self, RunPlaces};
 use tremie_channels::{ChannelMedium, InProcess, SharedMemory, memory};
-use tremie_messages::start::{Assignment, Reply, Request, Resume, Signal, Transport};
+use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
 
@@ -48,23 +49,6 @@ pub struct RunCall<'a> {
     pub programs: &'a Path,
     /// The checkpoint from which it goes on.
     pub from: Option<Origin<'a>>,
-}
-
-/// Where a run goes on from.
-#[derive(Clone, Copy)]
-pub struct Origin<'a> {
-    /// The checkpoint.
-    pub checkpoint: &'a WholeCheckpoint,
-    /// The run is that of the checkpoint, and goes on with its outputs. Otherwise it is a run of its own
-    /// that begins from the states of another, and its outputs begin with it.
-    pub same_outputs: bool,
-}
-
-impl<'a> Origin<'a> {
-    /// The checkpoint, if the run is its.
-    fn own(self) -> Option<&'a WholeCheckpoint> {
-        self.same_outputs.then_some(self.checkpoint)
-    }
 }
 
 /// A run that has ended. Observers that go on serving do so until this is dropped.
@@ -114,7 +98,7 @@ impl Prepared {
     fn execute_between<S: ChannelMedium>(mut self, call: RunCall<'_>) -> Result<Ended, RunError> {
         let RunCall { manifest, out, execution, terminal, interrupts, programs, from } = call;
         if let Some(from) = from {
-            self.check_fit(from.checkpoint)?;
+            self.check_fit(from)?;
         }
         let own = from.and_then(Origin::own);
         // Also where the caller has checked: other programs may have taken memory meanwhile.
@@ -125,8 +109,7 @@ impl Prepared {
         // Files first: a full disk should not cost a started run.
         let spec = &manifest.spec;
         let names = self.signal_names();
-        let (table, log, trace) =
-            self.open_outputs(manifest, out, execution, (&names, own.is_some()))?;
+        let (table, log, trace) = self.open_outputs(manifest, out, execution, (&names, from))?;
         // Before observers cut their files.
         let later = own.map(|from| LaterCheckpoints::set_aside(out.path(), from.record.window));
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
@@ -138,14 +121,15 @@ impl Prepared {
             out.forget_end()?;
             later.remove();
         }
-        let first = from.map_or(0, |from| from.checkpoint.record.window);
+        let goes_on = from.and_then(Origin::window);
+        let first = goes_on.unwrap_or(0);
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
         let newest = own.map(|checkpoint| checkpoint.record.window);
         let checkpoints = self.checkpoints(manifest, programs, out.path(), (first, newest));
         let steering = self.steering(manifest, execution, socket, first);
         let watchdogs = self.watchdogs(&names);
-        let monitor = self.monitor(&physics, from.is_some().then_some(first));
+        let monitor = self.monitor(&physics, goes_on);
         let drive = RunLoop {
             control,
             descriptions: &self.descriptions,
@@ -228,12 +212,7 @@ impl Prepared {
             report_depth: REPORT_DEPTH,
             ..Transport::default()
         };
-        let resume = from.map(|from| Resume {
-            window: from.checkpoint.record.window,
-            folder: from.checkpoint.folder().to_string_lossy().into_owned(),
-            same_outputs: from.same_outputs,
-        });
-        let assignments = self.assignments(&transport, resume.as_ref());
+        let assignments = self.assignments(&transport, from);
         let values = self.plan.components.iter().map(|c| c.signals + c.values_of_places());
         let signals: Vec<_> = values.collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
@@ -254,17 +233,22 @@ impl Prepared {
         manifest: &Manifest,
         out: &RunFolder,
         execution: &Execution,
-        (names, goes_on): (&[(String, Signal)], bool),
+        (names, from): (&[(String, Signal)], Option<Origin<'_>>),
     ) -> Result<(SignalTable, RunLog, Option<Trace>), OutputError> {
         let at = |name: &str| out.file(name);
         out.reserve(names.len())?;
         let (every, clock, table) =
             (self.plan.signal_rows_every, self.plan.clock, at(outputs::SIGNALS));
-        let (table, log) = if goes_on {
+        let (table, mut log) = if from.and_then(Origin::own).is_some() {
             (SignalTable::reopen(&table, clock, every, names)?, RunLog::reopen(&at(outputs::LOG))?)
         } else {
             (SignalTable::create(&table, clock, every, names)?, RunLog::create(&at(outputs::LOG))?)
         };
+        if let Some(from) = from.filter(|from| from.own().is_none()) {
+            let window = from.window().unwrap_or(0);
+            let time = clock.seconds(window * clock.ticks_per_window);
+            log.write(LogLevel::Info, ORCHESTRATOR, window, time, &from.to_string())?;
+        }
         write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
         let trace = execution.trace.as_ref().map(|windows| {
             let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
@@ -323,14 +307,15 @@ impl Prepared {
             .collect()
     }
 
-    fn assignments(&self, transport: &Transport, resume: Option<&Resume>) -> Vec<Assignment> {
+    fn assignments(&self, transport: &Transport, from: Option<Origin<'_>>) -> Vec<Assignment> {
         let of = |name: &str| Transport {
             credit_service: format!("credit/{name}"),
             report_service: format!("report/{name}"),
             ..transport.clone()
         };
         let components = self.plan.components.iter();
-        components.map(|c| c.assignment(of(&c.name), resume.cloned())).collect()
+        let resume = |role| from.and_then(|from| from.resume(role));
+        components.map(|c| c.assignment(of(&c.name), resume(c.role))).collect()
     }
 
     /// Hands out the assignments, and waits until all components are ready.

@@ -13,13 +13,15 @@ pub mod launch;
 pub mod limits;
 pub mod measured_time;
 pub mod monitor;
+mod origin;
 mod prepare;
 pub mod run_loop;
 mod startup_log;
 mod stop_conditions;
 mod watchdogs;
 
-pub use execute::{Ended, Origin, RunCall};
+pub use execute::{Ended, RunCall};
+pub use origin::{Origin, Takes};
 pub use prepare::{Prepared, prepare};
 pub use run_loop::Change;
 

@@ -68,7 +68,8 @@ impl<O: Observer> InterruptedRun<'_, O> {
         let at = checkpoint::folder(folder, kept);
         let assignment = setup.assignment.as_mut().expect("an assignment");
         let name = at.to_string_lossy().into_owned();
-        assignment.resume = Some(Resume { window: kept, folder: name, same_outputs: true });
+        assignment.resume =
+            Some(Resume { window: kept, folder: name, same_outputs: true, bodies_only: false });
         let opened = O::open(&setup).map_err(|error| StateError::Unfit(error.to_string()));
         let mut observer = opened?;
         put_back(&mut observer, folder, kept)?;

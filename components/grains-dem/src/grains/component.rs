@@ -165,6 +165,10 @@ impl Grains for SoftSpheres {
         self.energy.exchange(state)
     }
 
+    fn take_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        self.grains.take_bodies(state)
+    }
+
     fn signals(&mut self, values: &mut Vec<f64>) {
         let all = self.grains.diagnostics();
         push(OF_ALL, &all, values);

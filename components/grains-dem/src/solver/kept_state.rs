@@ -8,13 +8,8 @@ impl KeepsState for GrainsDem {
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         self.exchange_bodies(state)?;
-        for (k, part) in self.around.parts.iter_mut().enumerate() {
-            state.within(&format!("part{k}"), |state| part.exchange(state))?;
-        }
-        let Self { search, around, threads, population, record, fluid, stepping, .. } = self;
-        let seen = (&population.bodies, &*around);
-        state.within("contacts", |state| search.exchange(state, &mut threads.team, seen))?;
-        state.within("record", |state| record.exchange(state))?;
+        self.exchange_contacts(state)?;
+        let Self { fluid, stepping, .. } = self;
         state.value("loaded", &mut fluid.loaded)?;
         state.value("fluid_impulse", &mut fluid.fluid_impulse)?;
         state.value("window", &mut stepping.window)?;
@@ -28,6 +23,34 @@ impl KeepsState for GrainsDem {
 }
 
 impl GrainsDem {
+    /// Puts bodies, parts and contacts back from a state of other grains, of the same scene but for its
+    /// fluid. Time begins with them, and so do all that inlets, outlets, probes and profiles count.
+    ///
+    /// # Errors
+    /// A state that is damaged or does not fit.
+    pub fn take_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let room = self.population.bodies.len().max(self.ports.capacity);
+        self.exchange_bodies(state)?;
+        let found = self.population.bodies.len();
+        if found > room {
+            return state.unfit(format!("found {found} bodies, expected at most {room}"));
+        }
+        self.exchange_contacts(state)?;
+        // Extremes since the start, which is now.
+        (self.record.max_overlap_ratio, self.record.deep_overlaps) = Default::default();
+        Ok(())
+    }
+
+    fn exchange_contacts(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        for (k, part) in self.around.parts.iter_mut().enumerate() {
+            state.within(&format!("part{k}"), |state| part.exchange(state))?;
+        }
+        let Self { search, around, threads, population, record, .. } = self;
+        let seen = (&population.bodies, &*around);
+        state.within("contacts", |state| search.exchange(state, &mut threads.team, seen))?;
+        state.within("record", |state| record.exchange(state))
+    }
+
     fn exchange_bodies(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         let population = &mut self.population;
         state.value("bodies", &mut population.bodies)?;

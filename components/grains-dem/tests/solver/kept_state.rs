@@ -77,16 +77,22 @@ fn values(dem: &mut GrainsDem) -> Vec<f64> {
     values
 }
 
-/// Spheres fall through periodic sides onto a floor with a part that turns, with friction that
-/// slides and rolls, past a section, into a profile.
-#[test]
-fn spheres_on_a_floor_go_on() {
+/// Spheres on a floor with friction that slides and rolls, and a part that turns.
+fn floor() -> Scene {
     let mut law = law(1e3, 0.5, Damping::Restitution(0.6));
     law.rolling_friction = 0.1;
     let mut scene = scene([8e-3, 8e-3, 20e-3], FLOOR, law);
     scene.gravity = [10.0, 3.0, -100.0];
     scene.bodies = vec![packed([0.0; 3], [8e-3, 8e-3, 10e-3], 0.4, (0.7e-3, 0.9e-3), 2)];
     scene.parts = vec![paddle([4e-3, 4e-3, 2e-3])];
+    scene
+}
+
+/// Spheres fall through periodic sides onto a floor with a part that turns, with friction that
+/// slides and rolls, past a section, into a profile.
+#[test]
+fn spheres_on_a_floor_go_on() {
+    let mut scene = floor();
     let section = ProbeShape::Section { axis: 2, position: 4e-3, min: [0.0; 3], max: [8e-3; 3] };
     scene.probes = vec![Probe { name: "section".into(), shape: section }];
     scene.profiles = vec![GrainProfile {
@@ -106,6 +112,33 @@ fn spheres_on_a_floor_go_on() {
         let seen = whole.diagnostics();
         assert!(seen.list_rebuilds > 2 && seen.contacts > 500, "{seen:?}");
     }
+}
+
+/// A run of other components begins with the bodies of another: where they are, and with the springs of
+/// their friction. What was counted before is not theirs.
+#[test]
+fn bodies_and_contacts_begin_a_run_of_their_own() {
+    let case = Case { scene: floor(), step: 4e-6, substeps: 40, windows: 0, has_fluid: false };
+    let mut first = case.begin(1);
+    case.go_on(&mut first, 30);
+    let kept = SavedState::of(&mut first).unwrap();
+    let take = |dem: &mut GrainsDem| {
+        kept.put_back(|state| dem.take_bodies(state).map(|()| state.leave_rest()))
+    };
+    let mut second = case.begin(2);
+    take(&mut second).unwrap();
+    let (before, after) = (first.diagnostics(), second.diagnostics());
+    assert!(before.contacts > 500 && after.contacts == before.contacts);
+    assert!(before.max_overlap_ratio > 0.0 && after.max_overlap_ratio == 0.0);
+    case.go_on(&mut first, 10);
+    case.go_on(&mut second, 10);
+    assert!(state(&second) == state(&first));
+    assert!(second.diagnostics().contacts > 500);
+
+    let mut fewer = floor();
+    fewer.bodies = vec![packed([0.0; 3], [8e-3, 8e-3, 10e-3], 0.2, (0.7e-3, 0.9e-3), 2)];
+    let why = take(&mut Case { scene: fewer, ..case }.begin(1)).unwrap_err().to_string();
+    assert!(why.contains("bodies, expected at most"), "{why}");
 }
 
 /// Polyhedra, clumps and spheres fall on a plate on a spring.

@@ -214,6 +214,9 @@ pub struct Resume {
     pub folder: String,
     /// Observers go on with the files that they wrote, too; otherwise they begin anew.
     pub same_outputs: bool,
+    /// The run begins at time zero, and the component takes bodies and contacts alone: the state is of a
+    /// run of other components. Only grains are asked to.
+    pub bodies_only: bool,
 }
 
 /// Names of a run's shared memory, and limits of waits.

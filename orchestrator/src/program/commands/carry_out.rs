@@ -8,7 +8,7 @@ use crate::outputs::{self, Ending, OutputError, RunFolder, Summary, WholeCheckpo
 use crate::preflight;
 use crate::program::cli::View;
 use crate::registry::LOGS_SHOWN;
-use crate::run::{Change, Ended, Execution, Origin, RunCall, RunError, changes, prepare};
+use crate::run::{Change, Ended, Execution, Origin, RunCall, RunError, Takes, changes, prepare};
 use crate::terminal::Terminal;
 use serde_json::Value;
 use std::borrow::Cow;
@@ -19,25 +19,20 @@ use std::time::Duration;
 use tremie_messages::Verdict;
 use tremie_messages::start::{Fault, FaultKind};
 
-/// Where a run begins that does not begin at time zero.
+/// The checkpoint from which a run begins that does not begin with its scene alone.
 pub(super) struct Begin {
-    checkpoint: WholeCheckpoint,
-    same_outputs: bool,
+    pub checkpoint: WholeCheckpoint,
+    pub takes: Takes,
 }
 
 impl Begin {
-    /// A run of its own begins from the checkpoint of another.
-    pub fn branch(checkpoint: WholeCheckpoint) -> Self {
-        Self { checkpoint, same_outputs: false }
-    }
-
     /// The run of the checkpoint goes on, with its outputs.
     pub fn goes_on(checkpoint: WholeCheckpoint) -> Self {
-        Self { checkpoint, same_outputs: true }
+        Self { checkpoint, takes: Takes::Outputs }
     }
 
     fn origin(&self) -> Origin<'_> {
-        Origin { checkpoint: &self.checkpoint, same_outputs: self.same_outputs }
+        Origin { checkpoint: &self.checkpoint, takes: self.takes }
     }
 }
 
@@ -72,7 +67,7 @@ pub(super) fn carry_out(
     }
     let interrupts = count_interrupts().map_err(RunError::Signals)?;
     let mut out = claim()?;
-    if let Some(Begin { checkpoint, same_outputs: true }) = &from {
+    if let Some(Begin { checkpoint, takes: Takes::Outputs }) = &from {
         outputs::forget_changes(out.path(), checkpoint.record.window)?;
     }
     let mut restarts = Restarts { left: order.restarts, failed_at: None };
@@ -216,16 +211,20 @@ fn carry_out_once(
         return Err(error);
     }
     // Its user has seen the plan of a run that goes on.
-    if from.is_none_or(|from| !from.same_outputs) || terminal.speaks_json() {
+    if from.is_none_or(|from| from.takes != Takes::Outputs) || terminal.speaks_json() {
         show_plan(manifest, &prepared, terminal);
     }
     // Findings beyond these come from the run's signals, and are shown at its end.
     let known = prepared.findings.len();
     terminal.say(&match from {
         None => format!("outputs in {}", out.path().display()),
-        Some(Begin { checkpoint, same_outputs }) => format!(
+        Some(Begin { checkpoint, takes }) => format!(
             "{} window {}, {:.6} s; outputs in {}",
-            if *same_outputs { "goes on from" } else { "begins from another run's" },
+            match takes {
+                Takes::Outputs => "goes on from",
+                Takes::States => "begins from another run's",
+                Takes::Bodies => "begins at time zero with the bodies of another run's",
+            },
             checkpoint.record.window,
             checkpoint.record.time,
             out.path().display()
@@ -241,7 +240,7 @@ fn carry_out_once(
         from: from.map(Begin::origin),
     });
     // An error, unlike a fault, means that no window was made: its files are of no use.
-    if executed.is_err() && from.is_none_or(|from| !from.same_outputs) {
+    if executed.is_err() && from.is_none_or(|from| from.takes != Takes::Outputs) {
         out.clear();
     }
     let ended = executed?;

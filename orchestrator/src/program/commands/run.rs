@@ -81,9 +81,9 @@ fn branch((out, window): &(PathBuf, Option<u64>), manifest: &Manifest) -> Result
     let checkpoint =
         WholeCheckpoint::find(out, *window).map_err(|error| wrong(error.to_string()))?;
     let file = checkpoint.folder().join(outputs::MANIFEST);
-    changes::check_branch(&file, &checkpoint.manifest, manifest)
+    let takes = changes::branch(&file, &checkpoint.manifest, manifest)
         .map_err(|error| wrong(error.to_string()))?;
-    Ok(Begin::branch(checkpoint))
+    Ok(Begin { checkpoint, takes })
 }
 
 pub(super) fn style(arguments: &ManifestArgs) -> Style {

@@ -20,8 +20,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         } else {
             // Into the file only: the recording shall be that of a run that was never interrupted.
             let first = self.first;
-            let text =
-                format!("the run goes on from its checkpoint of window {first} of {windows}");
+            let text = format!("the run goes on from the end of window {first} of {windows}");
             self.write_line(LogLevel::Info, ORCHESTRATOR, first, &text)?;
         }
         for (index, text) in std::mem::take(&mut self.early).into_lines() {

@@ -4,7 +4,7 @@ use super::ConformArgs;
 use crate::manifest::{self, Manifest, START_WITHIN};
 use crate::outputs::{RunFolder, Summary, WholeCheckpoint};
 use crate::run::launch::{ComponentEvent, Launcher, Peer, PeerEvent, Program};
-use crate::run::{Execution, Origin, RunCall, prepare};
+use crate::run::{Execution, Origin, RunCall, Takes, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
@@ -193,7 +193,7 @@ impl Subject {
                     terminal: &mut terminal,
                     interrupts: &nobody,
                     programs,
-                    from: from.map(|checkpoint| Origin { checkpoint, same_outputs: true }),
+                    from: from.map(|checkpoint| Origin { checkpoint, takes: Takes::Outputs }),
                 })
             })
             .map_err(text)?;

@@ -10,7 +10,7 @@ use crate::outputs::{
     WholeCheckpoint, read_changes,
 };
 use crate::registry::{PLAYER, ReadError, Recording};
-use crate::run::{Execution, Origin, Prepared, RunCall, RunError, prepare};
+use crate::run::{Execution, Origin, Prepared, RunCall, RunError, Takes, prepare};
 use crate::terminal::Terminal;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -139,7 +139,7 @@ pub fn replay(
         terminal,
         interrupts,
         programs: &programs,
-        from: from.as_ref().map(|checkpoint| Origin { checkpoint, same_outputs: false }),
+        from: from.as_ref().map(|checkpoint| Origin { checkpoint, takes: Takes::States }),
     });
     let summary = executed.map_err(failed)?.close();
     Ok(Replayed {
