@@ -45,7 +45,7 @@ fn damage_once(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut R
     let cut = piece(random, bytes.len());
     match random.below(12) {
         0 => bytes.iter_mut().skip(cut.start).take(1).for_each(|b| *b ^= 1 << random.below(8)),
-        1 => bytes.iter_mut().skip(cut.start).take(1).for_each(|b| *b = random.next() as u8),
+        1 => bytes.iter_mut().skip(cut.start).take(1).for_each(|b| *b = random.word() as u8),
         2 => drop(bytes.drain(cut)),
         3 => bytes.truncate(cut.start),
         4 => {
