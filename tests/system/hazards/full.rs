@@ -82,10 +82,11 @@ impl FullDisk {
     fn check(&self, whole: &Whole, bytes: u64) -> &'static str {
         let first = self.text("first");
         let about = format!("{bytes} bytes\n{first}\nagain\n{}", self.text("again"));
+        // A checkpoint that had no room may be missing.
+        let table = |home: &Path| std::fs::read(home.join("out/signals.csv")).unwrap();
+        let is_whole = || table(whole.home.path()) == table(self.home.path());
         if self.code("first") == 0 {
-            // A checkpoint that had no room may be missing.
-            let table = |home: &Path| std::fs::read(home.join("out/signals.csv")).unwrap();
-            assert!(table(whole.home.path()) == table(self.home.path()), "{about}");
+            assert!(is_whole(), "{about}");
             return "had room enough";
         }
         assert_eq!(self.code("first"), 1, "{about}");
@@ -108,7 +109,14 @@ impl FullDisk {
             assert_eq!(self.code("second"), 2, "{about}");
             return "kept nothing to go on from";
         }
-        assert_ne!(self.code("again"), 0, "the disk was still full: {about}");
+        if self.code("again") == 0 {
+            // It makes fewer checkpoints than the first try did, and may fit where that did not.
+            assert!(
+                self.text("again").contains("no checkpoint of window") && is_whole(),
+                "{about}"
+            );
+            return "had room enough for the rest";
+        }
         assert!(self.text("again").contains("No space left on device"), "{about}");
         assert_eq!(self.code("second"), 0, "{}: {about}", self.text("second"));
         assert_same(&whole.home.path().join("out"), &self.home.path().join("out"));
