@@ -118,7 +118,9 @@ fn spheres_on_a_floor_go_on() {
 /// their friction. What was counted before is not theirs.
 #[test]
 fn bodies_and_contacts_begin_a_run_of_their_own() {
-    let case = Case { scene: floor(), step: 4e-6, substeps: 40, windows: 0, has_fluid: false };
+    // What moves along a path goes from time to time, and these are rounded.
+    let scene = Scene { parts: Vec::new(), ..floor() };
+    let case = Case { scene, step: 4e-6, substeps: 40, windows: 0, has_fluid: false };
     let mut first = case.begin(1);
     case.go_on(&mut first, 30);
     let kept = SavedState::of(&mut first).unwrap();
@@ -135,7 +137,7 @@ fn bodies_and_contacts_begin_a_run_of_their_own() {
     assert!(state(&second) == state(&first));
     assert!(second.diagnostics().contacts > 500);
 
-    let mut fewer = floor();
+    let mut fewer = case.scene.clone();
     fewer.bodies = vec![packed([0.0; 3], [8e-3, 8e-3, 10e-3], 0.2, (0.7e-3, 0.9e-3), 2)];
     let why = take(&mut Case { scene: fewer, ..case }.begin(1)).unwrap_err().to_string();
     assert!(why.contains("bodies, expected at most"), "{why}");
