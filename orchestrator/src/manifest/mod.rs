@@ -23,6 +23,7 @@ mod tests;
 mod tree;
 
 pub use differences::differences;
+pub use path::is_within;
 pub use source::Source;
 pub use spec::{
     Checkpoints, ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, START_WITHIN, Spec,
@@ -30,6 +31,7 @@ pub use spec::{
 };
 
 use document::Document;
+use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use tremie_messages::{Problem, nearest};
 
@@ -102,7 +104,7 @@ pub fn parse(
         let help = "the README has a short one; `tremie scene` writes that of a valve";
         return Err(ManifestErrors { source_text: source, problems: vec![problem.help(help)] });
     }
-    let (mut document, mut findings) = read::read(tree);
+    let (mut document, mut findings) = read::read::<Document>(tree);
     document.fill(file.parent().unwrap_or(Path::new("")));
     let spec = check::check(&document, &mut findings);
     problems.extend(findings.into_problems().into_iter().map(hints::add_hint));
@@ -112,6 +114,27 @@ pub fn parse(
             Ok(Manifest { spec, source, notes, document })
         }
         _ => Err(ManifestErrors { source_text: source, problems }),
+    }
+}
+
+/// Reads `text` of another file in the tables `T`, all of whose keys may be missing, as a manifest is
+/// read: each value with its place. `file` is the name of the file in messages.
+///
+/// # Errors
+/// Every problem found, each with its place.
+pub fn read_tables<T: DeserializeOwned + Default>(
+    file: &Path,
+    text: String,
+) -> Result<(T, Source), ManifestErrors> {
+    let mut source = Source::new(file, text);
+    let mut problems = Vec::new();
+    let tree = tree::read(&mut source, &mut problems);
+    let (tables, findings) = read::read(tree);
+    problems.extend(findings.into_problems().into_iter().map(hints::add_hint));
+    if problems.is_empty() {
+        Ok((tables, source))
+    } else {
+        Err(ManifestErrors { source_text: source, problems })
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) fn parent(path: &str) -> &str {
 }
 
 /// True if `path` is `ancestor` or lies below it.
-pub(super) fn is_within(path: &str, ancestor: &str) -> bool {
+pub fn is_within(path: &str, ancestor: &str) -> bool {
     match path.strip_prefix(ancestor) {
         Some(rest) => ancestor.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']),
         None => false,

@@ -1,8 +1,8 @@
 //! A tree of plain values to typed tables, without stopping at the first problem.
 
-use super::document::Document;
 use super::explain::explain;
 use super::path;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_path_to_error::Segment;
 use tremie_messages::Problem;
@@ -40,7 +40,7 @@ impl Findings {
 }
 
 /// Reads `tree`. A key that cannot be read is noted and taken out, and the rest is read again.
-pub(super) fn read(mut tree: Value) -> (Document, Findings) {
+pub(super) fn read<T: DeserializeOwned + Default>(mut tree: Value) -> (T, Findings) {
     let mut findings = Findings::default();
     loop {
         let error = match serde_path_to_error::deserialize(&tree) {
@@ -53,7 +53,7 @@ pub(super) fn read(mut tree: Value) -> (Document, Findings) {
         findings.unreadable.extend(meant);
         match removed {
             Some(key) => findings.unreadable.push(key),
-            None => return (Document::default(), findings.all_unreadable()),
+            None => return (T::default(), findings.all_unreadable()),
         }
     }
 }

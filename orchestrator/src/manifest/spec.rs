@@ -158,6 +158,24 @@ impl Spec {
         }
     }
 
+    /// Adds the observers that the manifest's outputs ask for: recorder, fields, profiles.
+    pub fn add_output_observers(&mut self) {
+        if self.outputs.record {
+            self.add_observer("recorder");
+        }
+        if self.outputs.messages {
+            for component in self.components.iter_mut().filter(|c| c.stem() == "recorder") {
+                component.settings.insert("messages".into(), true.into());
+            }
+        }
+        if self.outputs.fields.is_some() {
+            self.add_observer("fields");
+        }
+        if !self.scene.profiles.is_empty() {
+            self.add_observer("profiles");
+        }
+    }
+
     /// Adds a built-in observer under the name of its program, with the settings that the manifest
     /// has for it. Does nothing where one of that program, or anything of that name, takes part.
     pub fn add_observer(&mut self, program: &str) {

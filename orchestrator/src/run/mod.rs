@@ -22,7 +22,7 @@ mod watchdogs;
 
 pub use execute::{Ended, RunCall};
 pub use origin::{Origin, Takes};
-pub use prepare::{Prepared, prepare};
+pub use prepare::{Prepared, prepare, signals_of};
 pub use run_loop::Change;
 
 use crate::outputs::{ChangeRecord, OutputError};

@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use tremie_channels::sweep::RunPlaces;
 use tremie_messages::Problem;
-use tremie_messages::start::{Description, InjectionKind};
+use tremie_messages::start::{Description, InjectionKind, Signal};
 use tremie_messages::units;
 
 /// Components with their descriptions, and a plan that fits them.
@@ -81,6 +81,25 @@ pub fn prepare(
             Err(error)
         }
     }
+}
+
+/// All signals that the components of `manifest` will report, each with its component's name.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn signals_of(
+    manifest: &Manifest,
+    folder: &Path,
+    interrupts: &AtomicUsize,
+) -> Result<Vec<(String, Signal)>, RunError> {
+    let prepared = prepare(manifest, folder, Path::new(""), &Execution::default(), interrupts)?;
+    let of = |(peer, description): (&Peer, &Description)| {
+        let named = |signal: &Signal| (peer.name.clone(), signal.clone());
+        description.signals.iter().map(named).collect::<Vec<_>>()
+    };
+    let signals = prepared.peers.iter().zip(&prepared.descriptions).flat_map(of).collect();
+    prepared.dismiss();
+    Ok(signals)
 }
 
 fn make_plan(

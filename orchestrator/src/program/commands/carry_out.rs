@@ -278,20 +278,7 @@ fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
 
 /// Adds the recorder, the fields and the viewer that the user asked for.
 pub(super) fn add_observers(manifest: &mut Manifest, view: &View) {
-    if manifest.spec.outputs.record {
-        manifest.spec.add_observer("recorder");
-    }
-    if manifest.spec.outputs.messages {
-        for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "recorder") {
-            component.settings.insert("messages".into(), true.into());
-        }
-    }
-    if manifest.spec.outputs.fields.is_some() {
-        manifest.spec.add_observer("fields");
-    }
-    if !manifest.spec.scene.profiles.is_empty() {
-        manifest.spec.add_observer("profiles");
-    }
+    manifest.spec.add_output_observers();
     let Some(settings) = viewer_settings(view) else { return };
     manifest.spec.add_observer("viewer");
     for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "viewer") {

@@ -2,12 +2,11 @@
 
 use super::run::{folder_of, style};
 use super::{interrupts::count_interrupts, refuse, refuse_text};
-use crate::manifest::{self, Manifest};
+use crate::manifest;
 use crate::program::cli::ManifestArgs;
-use crate::run::{Execution, RunError, prepare};
+use crate::run::{RunError, signals_of};
 use crate::terminal::Terminal;
 use serde_json::json;
-use std::path::Path;
 use std::process::ExitCode;
 use tremie_messages::start::Signal;
 use tremie_results::text_columns;
@@ -19,27 +18,16 @@ pub fn signals(arguments: &ManifestArgs) -> ExitCode {
         Ok(manifest) => manifest,
         Err(errors) => return refuse_text(&errors, arguments.json, &terminal),
     };
-    match list(&manifest, &arguments.manifest) {
+    let listed = count_interrupts()
+        .map_err(RunError::Signals)
+        .and_then(|count| signals_of(&manifest, &folder_of(&arguments.manifest), &count));
+    match listed {
         Ok(signals) => {
             tell(&signals, &terminal);
             ExitCode::SUCCESS
         }
         Err(error) => refuse(&error, &manifest, arguments.json, &mut terminal),
     }
-}
-
-/// All signals, with the components that report them.
-fn list(manifest: &Manifest, path: &Path) -> Result<Vec<(String, Signal)>, RunError> {
-    let interrupts = count_interrupts().map_err(RunError::Signals)?;
-    let folder = folder_of(path);
-    let prepared = prepare(manifest, &folder, Path::new(""), &Execution::default(), &interrupts)?;
-    let of = |(name, signals): (&String, &Vec<Signal>)| {
-        signals.iter().map(|signal| (name.clone(), signal.clone())).collect::<Vec<_>>()
-    };
-    let names: Vec<String> = prepared.peers.iter().map(|peer| peer.name.clone()).collect();
-    let signals: Vec<_> = prepared.descriptions.iter().map(|d| d.signals.clone()).collect();
-    prepared.dismiss();
-    Ok(names.iter().zip(&signals).flat_map(of).collect())
 }
 
 fn tell(signals: &[(String, Signal)], terminal: &Terminal) {

@@ -1,6 +1,7 @@
 //! Measures: numbers from signals over time.
 
 use super::case::{Measure, Take, Threshold};
+use crate::manifest::Limit;
 use tremie_results::Signals;
 
 /// Measures a number.
@@ -18,7 +19,7 @@ pub fn take(measure: &Measure, signals: &Signals) -> Result<f64, String> {
     let points: Vec<(f64, f64)> = (signals.times.iter().copied().zip(column))
         .filter(|(time, _)| (from..=measure.until).contains(time))
         .collect();
-    let value = of_points(measure.take, &points).ok_or_else(|| {
+    let value = reduce(measure.take, &points).ok_or_else(|| {
         let Measure { signal, take, until, .. } = measure;
         format!("\"{signal}\" has too few values between {from} s and {until} s for {take:?}")
     })?;
@@ -28,12 +29,19 @@ pub fn take(measure: &Measure, signals: &Signals) -> Result<f64, String> {
 /// Time at which an event happens first [s].
 fn time_of(event: &Threshold, signals: &Signals) -> Result<f64, String> {
     let Threshold { signal, exceeds } = event;
-    let mut values = signals.times.iter().zip(signals.column(signal)?);
-    let first = values.find(|(_, value)| *value > exceeds);
-    first.map(|(time, _)| *time).ok_or_else(|| format!("\"{signal}\" never exceeds {exceeds}"))
+    let column = signals.column(signal)?;
+    let points = signals.times.iter().copied().zip(column.iter().copied());
+    first_time(points, Limit::Above(*exceeds))
+        .ok_or_else(|| format!("\"{signal}\" never exceeds {exceeds}"))
 }
 
-fn of_points(take: Take, points: &[(f64, f64)]) -> Option<f64> {
+/// Time of the first of the points (time, value) whose value meets a limit; `None` if none does.
+pub fn first_time(points: impl IntoIterator<Item = (f64, f64)>, limit: Limit) -> Option<f64> {
+    points.into_iter().find(|(_, value)| limit.is_met_by(*value)).map(|(time, _)| time)
+}
+
+/// Reduces points (time, value) to a number; `None` if they are too few for it.
+pub fn reduce(take: Take, points: &[(f64, f64)]) -> Option<f64> {
     let most = |better: fn(f64, f64) -> bool| {
         points.iter().copied().reduce(|a, b| if better(b.1, a.1) { b } else { a })
     };

@@ -95,6 +95,14 @@ fn draw(picture: &Picture, curves: Vec<Curve>, path: &Path) -> Result<(), String
         log_x: picture.log_x,
         curves,
     };
+    draw_chart(&chart, path)
+}
+
+/// Draws a chart into an SVG file.
+///
+/// # Errors
+/// A sentence, if it cannot be drawn or written.
+pub fn draw_chart(chart: &Chart, path: &Path) -> Result<(), String> {
     let area = SVGBackend::new(path, SIZE).into_drawing_area();
     area.fill(&WHITE).map_err(|error| error.to_string())?;
     chart.draw(&area)?;
