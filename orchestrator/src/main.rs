@@ -34,6 +34,7 @@ fn obey(command: Command) -> ExitCode {
         Command::Report(arguments) => commands::report(&arguments),
         Command::Bench(arguments) => commands::bench(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
+        Command::Study(arguments) => commands::study(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
         Command::Steer(command) => commands::steer(command),
         Command::Clean => commands::clean(),

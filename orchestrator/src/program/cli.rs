@@ -43,6 +43,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Check that a program keeps the contract of a component.
     Conform(ConformArgs),
+    /// Run a manifest with many combinations of values, and make a table of the results.
+    Study(StudyArgs),
     /// Run scenes whose result is known, and compare.
     Validate(ValidateArgs),
     /// Measure how fast the parts are on this machine.
@@ -305,6 +307,32 @@ pub struct ReportArgs {
     /// File of the picture [default: report.svg in the first folder]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
+}
+
+/// Arguments of `tremie study`.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// Study file: a manifest, axes of values, columns of the table
+    pub file: PathBuf,
+    /// Folder for runs, table and plots; a study goes on there [default: studies/NAME]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Most runs at once; components whose threads the manifest leaves open share the cores then
+    /// [default: as many as the cores are enough for]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Only check all, and list the runs
+    #[arg(long)]
+    pub list: bool,
+    /// Only check all, and print a command line for each run that is not done
+    #[arg(long, conflicts_with = "list")]
+    pub print: bool,
+    /// Say nothing but errors, failures and the last line
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Speak JSON, one document a line, on standard output
+    #[arg(long, conflicts_with = "print")]
+    pub json: bool,
 }
 
 /// Arguments of `tremie validate`.

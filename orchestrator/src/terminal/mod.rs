@@ -61,6 +61,21 @@ pub struct Progress {
     pub bodies: u64,
 }
 
+/// Progress of many runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunsProgress {
+    /// Runs that have ended, also earlier.
+    pub ended: usize,
+    /// All runs.
+    pub runs: usize,
+    /// Runs under way.
+    pub going_on: usize,
+    /// Runs that failed.
+    pub failed: usize,
+    /// Wall time to the end, if the runs go on as before [s].
+    pub seconds_left: Option<f64>,
+}
+
 /// The user's end of a run: messages, progress bar, last line.
 pub struct Terminal {
     style: Style,
@@ -180,7 +195,9 @@ impl Terminal {
                     "seconds_left": progress.seconds_left(),
                 }));
             }
-            Style::Person if self.draws => self.draw(progress),
+            Style::Person if self.draws => {
+                self.draw(progress.window, progress.windows, progress.line());
+            }
             Style::Person if progress.rate > 0.0 => {
                 self.told = true;
                 self.last_plain = Instant::now();
@@ -191,18 +208,38 @@ impl Terminal {
         }
     }
 
-    fn draw(&mut self, progress: &Progress) {
+    /// Shows progress of many runs, of which [`Terminal::wants_progress`] says when.
+    pub fn progress_of_runs(&mut self, progress: &RunsProgress) {
+        let RunsProgress { ended, runs, going_on, failed, seconds_left } = progress;
+        match self.style {
+            Style::Quiet | Style::Silent => {}
+            Style::Json => {
+                self.last_plain = Instant::now();
+                self.json(json!({
+                    "event": "progress", "ended": ended, "runs": runs, "going_on": going_on,
+                    "failed": failed, "seconds_left": seconds_left,
+                }));
+            }
+            Style::Person if self.draws => self.draw(*ended as u64, *runs as u64, progress.line()),
+            Style::Person => {
+                self.told = true;
+                self.last_plain = Instant::now();
+                let percent = 100 * ended / runs.max(&1);
+                self.print(&format!("{percent:3} %  {}", progress.line()));
+            }
+        }
+    }
+
+    fn draw(&mut self, position: u64, length: u64, line: String) {
         let bar = self.bar.get_or_insert_with(|| {
-            let bar = ProgressBar::with_draw_target(
-                Some(progress.windows),
-                ProgressDrawTarget::stderr_with_hz(5),
-            );
+            let bar =
+                ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(5));
             let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
-        bar.set_position(progress.window);
-        bar.set_message(progress.line());
+        bar.set_position(position);
+        bar.set_message(line);
     }
 
     fn speak(&self, text: &str) {
@@ -225,6 +262,26 @@ impl Terminal {
         // The reader may stop reading; the run goes on.
         answer(value);
     }
+}
+
+impl RunsProgress {
+    fn line(&self) -> String {
+        let mut line = format!("{} of {} runs", self.ended, self.runs);
+        line += &format!("  {} under way", self.going_on);
+        if self.failed > 0 {
+            line += &format!("  {} failed", self.failed);
+        }
+        if let Some(left) = self.seconds_left {
+            line += &format!("  {}", time_left(left));
+        }
+        line
+    }
+}
+
+/// A time in words [s].
+fn time_left(seconds: f64) -> String {
+    // Bounded: `from_secs_f64` panics where the seconds overflow.
+    format!("{} left", HumanDuration(Duration::from_secs_f64(seconds.clamp(0.0, 1e9))))
 }
 
 impl Progress {
@@ -259,8 +316,7 @@ impl Progress {
             ));
         }
         if let Some(left) = self.seconds_left() {
-            // Bounded: `from_secs_f64` panics where the seconds overflow.
-            parts.push(format!("{} left", HumanDuration(Duration::from_secs_f64(left.min(1e9)))));
+            parts.push(time_left(left));
         }
         parts.join("  ")
     }

@@ -21,6 +21,7 @@ mod run;
 mod signals;
 mod simple;
 mod steer;
+mod study;
 mod validate;
 mod view;
 
@@ -35,6 +36,7 @@ pub use run::run;
 pub use signals::signals;
 pub use simple::{clean, component, components, conform, schema};
 pub use steer::steer;
+pub use study::study;
 pub use validate::validate;
 pub use view::view;
 

@@ -1,0 +1,212 @@
+//! `tremie study`: many runs of a manifest, and a table of their results.
+
+use super::interrupts::count_interrupts;
+use super::{INTERRUPTED, refuse_text};
+use crate::program::cli::StudyArgs;
+use crate::run::RunError;
+use crate::run::handshake::cores;
+use crate::terminal::standard::answer;
+use crate::terminal::{Style, Terminal};
+use crate::tools::study::{
+    FolderUse, RunQueue, Study, StudyEnd, StudyError, StudyRun, TABLE, draw_plots, value_text,
+};
+use serde_json::json;
+use std::ffi::OsStr;
+use std::process::ExitCode;
+use std::sync::atomic::AtomicUsize;
+use tremie_results::text_columns;
+
+/// `tremie study`.
+pub fn study(arguments: &StudyArgs) -> ExitCode {
+    let style = Style::asked(arguments.quiet, arguments.json);
+    let mut terminal = match arguments.list {
+        true => Terminal::answering(style),
+        false => Terminal::new(style),
+    };
+    carry_out(arguments, &mut terminal)
+        .unwrap_or_else(|error| tell_error(&error, arguments.json, &mut terminal))
+}
+
+fn carry_out(arguments: &StudyArgs, terminal: &mut Terminal) -> Result<ExitCode, StudyError> {
+    let interrupts =
+        count_interrupts().map_err(|error| StudyError::Run(RunError::Signals(error)))?;
+    let study = Study::read(&arguments.file, arguments.out.as_deref(), &interrupts)?;
+    if arguments.list {
+        list(&study, terminal);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let jobs = arguments.jobs.map(usize::from);
+    if arguments.print {
+        print(&study, jobs)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let _lock = study.folder.lock()?;
+    let end = make(&study, jobs, terminal, &interrupts)?;
+    tell_plots(&study, &end, terminal)?;
+    Ok(tell_end(&study, &end, arguments, terminal))
+}
+
+/// Reports the reason why a study did not come to its end.
+fn tell_error(error: &StudyError, json: bool, terminal: &mut Terminal) -> ExitCode {
+    match error {
+        StudyError::Input(all) => {
+            let mut code = ExitCode::FAILURE;
+            for errors in all {
+                code = refuse_text(errors, json, terminal);
+            }
+            code
+        }
+        StudyError::Interrupted => {
+            terminal.end(&error.to_string(), json!(null));
+            ExitCode::from(INTERRUPTED)
+        }
+        other => {
+            terminal.fail(&other.to_string());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// `--list`: the runs, without making any.
+fn list(study: &Study, terminal: &Terminal) {
+    let keys: Vec<&str> = study.contents.keys().collect();
+    let status =
+        |run: &StudyRun| study.folder.outcome(run).map_or(String::new(), |outcome| outcome.status);
+    let row = |run: &StudyRun| {
+        let seed = run.seed.map_or(String::new(), |seed| seed.to_string());
+        let values = run.values.iter().map(value_text);
+        let begin = [run.point.to_string(), seed].into_iter().chain(values);
+        begin.chain([run.name.clone(), status(run)]).collect()
+    };
+    if !terminal.speaks_json() {
+        let titles: Vec<&str> = ["point", "seed"]
+            .into_iter()
+            .chain(keys.iter().copied())
+            .chain(["run", "status"])
+            .collect();
+        for line in text_columns(&titles, study.runs.iter().map(row).collect()) {
+            terminal.say(&line);
+        }
+    }
+    let document = |run: &StudyRun| {
+        json!({
+            "point": run.point, "seed": run.seed, "values": run.values, "run": run.name,
+            "status": study.folder.outcome(run).map(|outcome| outcome.status),
+        })
+    };
+    let runs: Vec<_> = study.runs.iter().map(document).collect();
+    terminal.event(json!({"event": "runs", "keys": keys, "runs": runs}));
+}
+
+/// `--print`: a line of a shell for each run that is neither done nor under way.
+fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
+    let program = std::env::current_exe()
+        .map_err(|error| StudyError::Io { path: "/proc/self/exe".into(), error })?;
+    for run in &study.runs {
+        let folder = study.folder.of_run(run);
+        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        let before = match study.folder.use_of(run)? {
+            FolderUse::Done | FolderUse::UnderWay => continue,
+            FolderUse::Unfinished => format!("rm -r {} && ", shell_word(folder.as_os_str())),
+            FolderUse::Free => String::new(),
+        };
+        let arguments = study.arguments(run, &run.threads.share(cores(), jobs));
+        let words: Vec<String> = arguments.iter().map(|word| shell_word(word)).collect();
+        answer(format_args!("{before}{} {}", shell_word(program.as_os_str()), words.join(" ")));
+    }
+    Ok(())
+}
+
+/// A word as a shell reads it back.
+fn shell_word(word: &OsStr) -> String {
+    let text = word.to_string_lossy();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text.into_owned(),
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
+/// Makes the runs that are not done.
+fn make(
+    study: &Study,
+    jobs: Option<usize>,
+    terminal: &mut Terminal,
+    interrupts: &AtomicUsize,
+) -> Result<StudyEnd, StudyError> {
+    let folder = study.folder.path().display();
+    let runs = study.runs.len();
+    let points = study.runs.last().map_or(0, |run| run.point);
+    terminal.say(&format!("{points} points, {runs} runs; outputs in {folder}"));
+    let most = study.runs.iter().map(|run| run.threads.share(cores(), jobs).threads).max();
+    let most = most.unwrap_or(1).min(cores());
+    let cores = cores();
+    terminal.say(&format!("a run takes up to {most} threads of {cores} cores"));
+    if most == cores && cores > 1 && jobs.is_none() && runs > 1 {
+        terminal
+            .say("runs are made one after the other; --jobs N divides the cores among N of them");
+    }
+    let queue = RunQueue::new(study, jobs, terminal, interrupts);
+    queue.make_all()
+}
+
+fn tell_plots(study: &Study, end: &StudyEnd, terminal: &Terminal) -> Result<(), StudyError> {
+    let Study { folder, contents, columns, runs, .. } = study;
+    for path in draw_plots(folder, contents, columns, runs, &end.results)? {
+        terminal.say(&format!("a plot is in {}", path.display()));
+    }
+    Ok(())
+}
+
+/// The last line; returns the exit code.
+fn tell_end(
+    study: &Study,
+    end: &StudyEnd,
+    arguments: &StudyArgs,
+    terminal: &mut Terminal,
+) -> ExitCode {
+    let (runs, ended) = (study.runs.len(), end.results.iter().flatten().count());
+    let done = ended - end.failed;
+    let table = study.folder.path().join(TABLE);
+    let made = end.made;
+    let mut text = format!("{done} of {runs} runs are done, {made} made now");
+    if end.failed > 0 {
+        text += &format!(", {} failed", end.failed);
+    }
+    text += &format!("; the table is {}", table.display());
+    if end.is_interrupted || end.failed > 0 {
+        let why = if end.is_interrupted { "interrupted: " } else { "" };
+        let next = if end.is_interrupted { "goes on" } else { "makes the failed ones again" };
+        text = format!("{why}{text}\n`{}` {next}", same_command(arguments));
+    }
+    terminal.end(
+        &text,
+        json!({"runs": runs, "done": done, "made": made, "failed": end.failed, "table": table}),
+    );
+    match (end.is_interrupted, end.failed) {
+        (true, _) => ExitCode::from(INTERRUPTED),
+        (false, 0) => ExitCode::SUCCESS,
+        (false, _) => ExitCode::FAILURE,
+    }
+}
+
+/// The command, as a shell takes it.
+fn same_command(arguments: &StudyArgs) -> String {
+    let mut words = vec!["tremie study".to_string(), shell_word(arguments.file.as_os_str())];
+    words.extend(arguments.out.iter().map(|out| format!("--out {}", shell_word(out.as_os_str()))));
+    words.extend(arguments.jobs.map(|jobs| format!("--jobs {jobs}")));
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_shell_are_quoted_where_they_must_be() {
+        assert_eq!(shell_word(OsStr::new("runs/a-1")), "runs/a-1");
+        assert_eq!(shell_word(OsStr::new("a=\"1 m\"")), "'a=\"1 m\"'");
+        assert_eq!(shell_word(OsStr::new("it's")), r"'it'\''s'");
+        assert_eq!(shell_word(OsStr::new("")), "''");
+    }
+}

@@ -1,0 +1,196 @@
+//! The folder of a study: its runs, its tables, and the lock that keeps a second study out.
+
+use super::StudyError;
+use super::runs::StudyRun;
+use crate::outputs::{OutputError, RunFolder, SUMMARY};
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// File that a study locks while it is under way.
+const LOCK: &str = "study.lock";
+/// Folder of the runs.
+const RUNS: &str = "runs";
+
+/// The folder of a study.
+#[derive(Debug)]
+pub struct StudyFolder {
+    path: PathBuf,
+}
+
+/// A lock on the folder of a study; it ends with this process, however that ends.
+#[derive(Debug)]
+pub struct StudyLock {
+    _file: File,
+}
+
+/// End of a run as its summary tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunOutcome {
+    /// Status, as `completed`.
+    pub status: String,
+    /// Wall time of its windows [s].
+    pub wall_time: Option<f64>,
+}
+
+impl RunOutcome {
+    /// True if the run is done and is never made again.
+    pub fn is_done(&self) -> bool {
+        matches!(self.status.as_str(), "completed" | "stopped")
+    }
+}
+
+/// Readiness of a run's folder for the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FolderUse {
+    /// Nothing is there.
+    Free,
+    /// A run is there that is done.
+    Done,
+    /// A run is there that failed or was broken off.
+    Unfinished,
+    /// A run is under way there.
+    UnderWay,
+}
+
+impl StudyFolder {
+    /// The folder at `path`, or `studies/NAME`, where NAME is that of the study file.
+    pub fn of(path: Option<&Path>, file: &Path) -> Self {
+        let named = || Path::new("studies").join(study_name(file));
+        Self { path: path.map_or_else(named, Path::to_path_buf) }
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Path of a run's folder.
+    pub fn of_run(&self, run: &StudyRun) -> PathBuf {
+        self.path.join(RUNS).join(&run.name)
+    }
+
+    /// Makes the folder, and locks it.
+    ///
+    /// # Errors
+    /// If another study has it, or the disk refuses.
+    pub fn lock(&self) -> Result<StudyLock, StudyError> {
+        let runs = self.path.join(RUNS);
+        std::fs::create_dir_all(&runs).map_err(StudyError::io(&runs))?;
+        let path = self.path.join(LOCK);
+        let mut open = OpenOptions::new();
+        let file = open.write(true).create(true).truncate(false).open(&path);
+        let file = file.map_err(StudyError::io(&path))?;
+        match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+            Err(Errno::WOULDBLOCK) => Err(StudyError::Claimed(self.path.clone())),
+            // A file system without locks has none to respect.
+            _ => Ok(StudyLock { _file: file }),
+        }
+    }
+
+    /// End of a run; `None` if it has not ended in order.
+    pub fn outcome(&self, run: &StudyRun) -> Option<RunOutcome> {
+        let text = std::fs::read_to_string(self.of_run(run).join(SUMMARY)).ok()?;
+        let summary: serde_json::Value = serde_json::from_str(&text).ok()?;
+        let status = summary["status"].as_str()?.to_string();
+        Some(RunOutcome { status, wall_time: summary["wall_time"].as_f64() })
+    }
+
+    /// Readiness of a run's folder.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn use_of(&self, run: &StudyRun) -> Result<FolderUse, StudyError> {
+        let folder = self.of_run(run);
+        if self.outcome(run).is_some_and(|outcome| outcome.is_done()) {
+            return Ok(FolderUse::Done);
+        }
+        if !folder.exists() {
+            return Ok(FolderUse::Free);
+        }
+        match RunFolder::reclaim(&folder) {
+            Ok(_) => Ok(match self.outcome(run).is_some_and(|outcome| outcome.is_done()) {
+                // It came to its end between the two looks.
+                true => FolderUse::Done,
+                false => FolderUse::Unfinished,
+            }),
+            Err(OutputError::Claimed(_)) => Ok(FolderUse::UnderWay),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Removes a run that failed or was broken off.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn remove(&self, run: &StudyRun) -> Result<(), StudyError> {
+        let folder = self.of_run(run);
+        match std::fs::remove_dir_all(&folder) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(StudyError::Io { path: folder, error })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a file of the study anew: a reader finds the old text or the new one, whole.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
+        let path = self.path.join(name);
+        let write = || {
+            let mut file = tempfile::NamedTempFile::new_in(&self.path)?;
+            file.write_all(bytes)?;
+            // Temporary files are their owner's alone; tables are not.
+            let mode = std::os::unix::fs::PermissionsExt::from_mode(0o644);
+            file.as_file().set_permissions(mode)?;
+            file.as_file().sync_data()?;
+            file.persist(&path).map_err(|error| error.error)
+        };
+        write().map(drop).map_err(StudyError::io(&path))
+    }
+}
+
+/// `pistons` of `pistons.toml`; the folder's name of `study.toml`.
+fn study_name(file: &Path) -> String {
+    let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+    let named = match file.file_name().and_then(|name| name.to_str()) {
+        Some("study.toml") => file.parent().and_then(Path::file_name),
+        _ => file.file_stem(),
+    };
+    named.map_or_else(|| "study".into(), |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_is_called_by_its_file() {
+        assert_eq!(study_name(Path::new("a/pistons.toml")), "pistons");
+        assert_eq!(study_name(Path::new("a/valve/study.toml")), "valve");
+    }
+
+    #[test]
+    fn of_two_studies_one_gets_the_folder() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = StudyFolder::of(Some(&home.path().join("out")), Path::new("a.toml"));
+        let lock = folder.lock().unwrap();
+        assert!(matches!(folder.lock(), Err(StudyError::Claimed(_))));
+        drop(lock);
+        folder.lock().unwrap();
+    }
+
+    #[test]
+    fn a_file_is_written_whole() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = StudyFolder::of(Some(home.path()), Path::new("a.toml"));
+        folder.write("runs.csv", b"one").unwrap();
+        folder.write("runs.csv", b"two").unwrap();
+        assert_eq!(std::fs::read(home.path().join("runs.csv")).unwrap(), b"two");
+        assert_eq!(std::fs::read_dir(home.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,145 @@
+//! `tremie study`: many runs of one manifest, with other values, and a table of their results.
+//!
+//! A study file ([`file`], [`contents`]) names a manifest, axes of values and columns. All
+//! combinations of the axes are its points ([`axes`], [`points`]); each point is one run, or several
+//! with other seeds ([`runs`]). Runs are processes of this program ([`queue`], [`threads`]) in the
+//! study's folder ([`folder`]). Their signals become columns ([`columns`]) of a table ([`table`]) and
+//! plots ([`plots`]).
+
+mod axes;
+mod columns;
+mod contents;
+mod file;
+mod folder;
+mod plots;
+mod points;
+mod queue;
+mod runs;
+mod table;
+mod threads;
+
+pub use axes::value_text;
+pub use columns::StudyColumn;
+pub use contents::StudyContents;
+pub use folder::{FolderUse, StudyFolder, StudyLock};
+pub use plots::draw_plots;
+pub use queue::{RunQueue, StudyEnd};
+pub use runs::StudyRun;
+pub use table::{RunResults, TABLE};
+pub use threads::ThreadShare;
+
+use crate::manifest::{Manifest, ManifestErrors};
+use crate::outputs::OutputError;
+use crate::run::{RunError, signals_of};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+
+/// Reason why a study did not come to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The study file or the manifest is wrong.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Input(Vec<ManifestErrors>),
+    /// The components of the first point do not begin.
+    #[error("the components of the first point: {0}")]
+    Run(RunError),
+    /// Another study has the folder.
+    #[error("{} belongs to a study that is under way; choose another --out", .0.display())]
+    Claimed(PathBuf),
+    /// A run's folder cannot be used.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The operating system refuses.
+    #[error("{}: {error}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's error.
+        error: std::io::Error,
+    },
+    /// A plot cannot be drawn.
+    #[error("{}: cannot draw: {message}", path.display())]
+    Plot {
+        /// File of the plot.
+        path: PathBuf,
+        /// The error of the drawing.
+        message: String,
+    },
+    /// The user asked for the end before the first run.
+    #[error("interrupted before the first run")]
+    Interrupted,
+}
+
+impl StudyError {
+    /// For `map_err` at `path`.
+    fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
+        |error| Self::Io { path: path.to_path_buf(), error }
+    }
+}
+
+/// A study, checked completely.
+#[derive(Debug)]
+pub struct Study {
+    /// What its file says.
+    pub contents: StudyContents,
+    /// The columns, with their units.
+    pub columns: Vec<StudyColumn>,
+    /// All runs, in the order of the points.
+    pub runs: Vec<StudyRun>,
+    /// Its folder.
+    pub folder: StudyFolder,
+}
+
+impl Study {
+    /// Reads a study file, and checks the manifests of all runs and the signals of the first.
+    ///
+    /// # Errors
+    /// Everything that is wrong with any of them.
+    pub fn read(
+        file: &Path,
+        out: Option<&Path>,
+        interrupts: &AtomicUsize,
+    ) -> Result<Self, StudyError> {
+        let contents =
+            StudyContents::read(file).map_err(|errors| StudyError::Input(vec![errors]))?;
+        let (runs, first) = runs::checked_runs(&contents, interrupts)?;
+        let columns = columns_with_units(&contents, &first, interrupts)?;
+        Ok(Self { contents, columns, runs, folder: StudyFolder::of(out, file) })
+    }
+
+    /// Arguments of this program for a run.
+    pub fn arguments(&self, run: &StudyRun, share: &ThreadShare) -> Vec<OsString> {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let (base, out) = (absolute(&self.contents.base), absolute(&self.folder.of_run(run)));
+        let begin = ["run".into(), base.into(), "--out".into(), out.into(), "--quiet".into()];
+        let sets = run.sets.iter().chain(&share.sets);
+        let sets = sets.flat_map(|(key, value)| ["--set".into(), format!("{key}={value}").into()]);
+        begin.into_iter().chain(sets).collect()
+    }
+}
+
+/// The columns with the units of their signals, as the components of the first point tell them.
+fn columns_with_units(
+    contents: &StudyContents,
+    first: &Manifest,
+    interrupts: &AtomicUsize,
+) -> Result<Vec<StudyColumn>, StudyError> {
+    let programs = contents.base.parent().unwrap_or(Path::new(""));
+    let signals = signals_of(first, programs, interrupts).map_err(|error| match error {
+        RunError::Input(problems) => {
+            let source_text = first.source.clone();
+            StudyError::Input(vec![ManifestErrors { source_text, problems }])
+        }
+        RunError::Interrupted => StudyError::Interrupted,
+        other => StudyError::Run(other),
+    })?;
+    let mut columns = contents.columns.clone();
+    let found = columns.iter_mut().filter_map(|column| column.find_signal(&signals).err());
+    let problems: Vec<_> = found.collect();
+    if problems.is_empty() {
+        return Ok(columns);
+    }
+    let source_text = contents.source.clone();
+    Err(StudyError::Input(vec![ManifestErrors { source_text, problems }]))
+}
