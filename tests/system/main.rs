@@ -42,6 +42,7 @@ mod signals;
 mod sliders;
 mod starting;
 mod steering;
+mod study;
 mod tremie;
 mod validation;
 mod watchdogs;

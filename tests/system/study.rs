@@ -1,0 +1,307 @@
+//! Studies: tables of many runs, broken off and begun again, with failures and wrong files.
+
+use crate::running::Running;
+use crate::tremie::{SMALL, tremie};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Four points of small runs on one thread each.
+const STUDY: &str = r#"
+base = "base.toml"
+
+[[axes]]
+key = "scene.fluid.viscosity"
+values = ["0.05 Pa s", "0.08 Pa s"]
+
+[[axes]]
+keys = ["scene.contacts[0].friction", "scene.contacts[0].restitution"]
+rows = [[0.3, 0.5], [0.1, 0.9]]
+
+[set]
+"components.fluid.threads" = 1
+"components.grains.threads" = 1
+
+[columns]
+speed = { signal = "grains.max_speed", of = "max" }
+late = { signal = "grains.max_speed", of = "mean", from = "10 ms" }
+start = { signal = "grains.max_speed", of = "crossing", above = 1e-3 }
+never = { signal = "grains.max_speed", of = "crossing", above = 1e9 }
+
+[[plots]]
+x = "scene.fluid.viscosity"
+y = "speed"
+"#;
+
+/// A folder with the small manifest and a study of it.
+struct Home(TempDir);
+
+impl Home {
+    fn new(study: &str) -> Self {
+        let home = Self(tempfile::tempdir().unwrap());
+        std::fs::write(home.path().join("base.toml"), SMALL).unwrap();
+        std::fs::write(home.path().join("study.toml"), study).unwrap();
+        home
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn command(&self, options: &[&str]) -> Command {
+        let mut command = tremie();
+        command.current_dir(self.path()).args(["study", "study.toml"]).args(options);
+        command
+    }
+
+    fn study(&self, options: &[&str]) -> Output {
+        self.command(options).output().unwrap()
+    }
+
+    /// A table of the study in a folder.
+    fn table(&self, out: &str, name: &str) -> String {
+        std::fs::read_to_string(self.path().join(out).join(name)).unwrap()
+    }
+
+    /// Folders of runs that have a summary.
+    fn ended(&self, out: &str) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(self.path().join(out).join("runs"));
+        let folders = entries.into_iter().flatten().flatten().map(|entry| entry.path());
+        folders.filter(|folder| folder.join("summary.json").exists()).collect()
+    }
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Rows of a table, without the heading.
+fn rows(table: &str) -> Vec<Vec<String>> {
+    let row = |line: &str| line.split(',').map(String::from).collect();
+    table.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn a_study_makes_a_row_for_each_run() {
+    let home = Home::new(STUDY);
+    let output = home.study(&["--out", "out"]);
+    assert!(output.status.success(), "{}", errors(&output));
+    assert!(errors(&output).contains("4 of 4 runs are done, 4 made now"), "{}", errors(&output));
+    let table = home.table("out", "runs.csv");
+    let heads = "point,seed,scene.fluid.viscosity,scene.contacts[0].friction,scene.contacts[0].restitution,run,status,speed [m/s],late [m/s],start [s],never [s]";
+    assert_eq!(table.lines().next(), Some(heads));
+    let rows = rows(&table);
+    let begin = |row: &Vec<String>| row[..5].join(",");
+    assert_eq!(
+        rows.iter().map(begin).collect::<Vec<_>>(),
+        [
+            "1,,0.05 Pa s,0.3,0.5",
+            "2,,0.05 Pa s,0.1,0.9",
+            "3,,0.08 Pa s,0.3,0.5",
+            "4,,0.08 Pa s,0.1,0.9"
+        ]
+    );
+    for row in &rows {
+        let speed: f64 = row[7].parse().unwrap();
+        let start: f64 = row[9].parse().unwrap();
+        assert!(row[6] == "completed" && speed > 1e-3 && start > 0.0, "{row:?}");
+        assert_eq!(row[10], "", "a bound that is never met leaves its cell empty");
+    }
+    assert!(
+        rows[0][7].parse::<f64>().unwrap() > rows[2][7].parse::<f64>().unwrap(),
+        "thick oil is slower"
+    );
+    let times = home.table("out", "times.csv");
+    assert!(times.starts_with("point,seed,run,wall_time [s]\n1,,"), "{times}");
+    assert_eq!(times.lines().count(), 5);
+    let plot = home.table("out", "speed-over-scene-fluid-viscosity.svg");
+    assert!(plot.contains("contacts[0].friction") || plot.contains("friction = 0.3"), "{plot}");
+
+    // Nothing is made twice, and other points of the file reuse what is there.
+    let output = home.study(&["--out", "out"]);
+    assert!(errors(&output).contains("4 of 4 runs are done, 0 made now"), "{}", errors(&output));
+    assert_eq!(home.table("out", "runs.csv"), table);
+    let more = STUDY.replace("[0.1, 0.9]]", "[0.1, 0.9], [0.2, 0.9]]");
+    std::fs::write(home.path().join("study.toml"), more).unwrap();
+    let output = home.study(&["--out", "out", "--jobs", "2"]);
+    assert!(errors(&output).contains("6 of 6 runs are done, 2 made now"), "{}", errors(&output));
+    assert_eq!(home.table("out", "runs.csv").lines().count(), 7);
+}
+
+#[test]
+fn seeds_repeat_a_point_in_the_folder_of_the_study() {
+    let study = "base = \"base.toml\"\nrepeats = 2\n[columns]\nspeed = { signal = \"grains.max_speed\", of = \"last\" }\n";
+    let home = Home::new(study);
+    let output = home.study(&["--json"]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let name = home.path().file_name().unwrap().to_string_lossy().into_owned();
+    let rows = rows(&home.table(&format!("studies/{name}"), "runs.csv"));
+    let begin: Vec<_> = rows.iter().map(|row| row[..2].join(" ")).collect();
+    assert_eq!(begin, ["1 1", "1 2"]);
+    let events: Vec<serde_json::Value> =
+        said(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let of = |kind: &str| events.iter().filter(|event| event["event"] == kind).count();
+    assert_eq!((of("run"), of("end"), of("failure")), (2, 1, 0), "{events:?}");
+}
+
+/// Wherever a study is killed, the next one ends with the bytes of one that nothing disturbed.
+#[test]
+fn a_study_that_is_killed_goes_on_to_the_same_table() {
+    let home = Home::new(STUDY);
+    let output = home.study(&["--out", "whole"]);
+    assert!(output.status.success(), "{}", errors(&output));
+    for (number, ended) in [0, 1, 3].into_iter().enumerate() {
+        let out = format!("killed-{number}");
+        let mut command = home.command(&["--out", &out, "--jobs", "1"]);
+        let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
+        crate::running::until("runs", || {
+            let begun = std::fs::read_dir(home.path().join(&out).join("runs"));
+            let begun = begun.map_or(0, |runs| runs.flatten().count());
+            home.ended(&out).len() >= ended && begun > ended
+        });
+        running.send("-KILL");
+        running.wait(Duration::from_secs(60));
+        assert!(home.ended(&out).len() < 4, "it was killed too late");
+        let output = home.study(&["--out", &out]);
+        assert!(output.status.success(), "{}", errors(&output));
+        assert_eq!(home.table(&out, "runs.csv"), home.table("whole", "runs.csv"), "{out}");
+    }
+}
+
+#[test]
+fn a_study_that_is_interrupted_says_how_to_go_on() {
+    let study = STUDY.replace(
+        "\"components.fluid.threads\"",
+        "\"run.until\" = \"20 s\"\n\"components.fluid.threads\"",
+    );
+    let home = Home::new(&study);
+    // A script that starts tests in the background has them ignore -INT, which a child inherits.
+    let mut command = Command::new("env");
+    command.arg("--default-signal=INT").arg(tremie().get_program()).current_dir(home.path());
+    command.args(["study", "study.toml", "--out", "out", "--jobs", "1"]);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut running = Running::start(&mut command);
+    crate::running::until("a run", || {
+        let runs = std::fs::read_dir(home.path().join("out/runs"));
+        let has_table = |run: std::fs::DirEntry| run.path().join("signals.csv").exists();
+        runs.is_ok_and(|runs| runs.flatten().any(has_table))
+    });
+    // The folder is this study's.
+    let output = home.study(&["--out", "out"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        errors(&output).contains("belongs to a study that is under way"),
+        "{}",
+        errors(&output)
+    );
+    running.send("-INT");
+    assert_eq!(running.wait(Duration::from_secs(60)), Some(130));
+    let errors = running.errors();
+    assert!(errors.contains("runs under way end in order: 1"), "{errors}");
+    assert!(errors.contains("interrupted: 0 of 4 runs are done"), "{errors}");
+    assert!(errors.contains("`tremie study study.toml --out out --jobs 1` goes on"), "{errors}");
+    assert_eq!(home.table("out", "runs.csv").lines().count(), 1, "{errors}");
+}
+
+/// A viscosity with which the lattice refuses to begin, among others.
+#[test]
+fn a_point_that_fails_is_told_and_the_others_are_made() {
+    let study = STUDY.replace("\"0.08 Pa s\"", "\"1e-12 Pa s\", \"0.08 Pa s\"");
+    let home = Home::new(&study.replace("rows = [[0.3, 0.5], [0.1, 0.9]]", "rows = [[0.3, 0.5]]"));
+    let output = home.study(&["--out", "out"]);
+    let words = errors(&output);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.contains("run 2 of 3 failed: scene.fluid.viscosity = 1e-12 Pa s"), "{words}");
+    assert!(words.contains("2 of 3 runs are done, 3 made now, 1 failed"), "{words}");
+    assert!(words.contains("makes the failed ones again"), "{words}");
+    let rows = rows(&home.table("out", "runs.csv"));
+    let statuses: Vec<_> = rows.iter().map(|row| row[6].as_str()).collect();
+    assert_eq!(statuses, ["completed", "failed", "completed"]);
+    assert_eq!(rows[1][7..], ["", "", "", ""]);
+    let output = home.study(&["--out", "out"]);
+    assert!(errors(&output).contains("1 made now, 1 failed"), "{}", errors(&output));
+}
+
+#[test]
+fn wrong_studies_are_refused_before_anything_runs() {
+    // A plot would want its axis in one unit.
+    let (study, _) = STUDY.split_once("[[plots]]").unwrap();
+    for (from, to, words) in [
+        (
+            "0.08 Pa s",
+            "0.08 m",
+            &["study.toml:6:", "axes[0].values[1]: scene.fluid.viscosity: found \"0.08 m\""][..],
+        ),
+        (
+            "fluid.viscosity\"\nvalues",
+            "fluid.viscosty\"\nvalues",
+            &["study.toml:6:", "unknown key \"viscosty\"", "did you mean \"viscosity\"?"][..],
+        ),
+        ("contacts[0].friction", "contacts[3].friction", &["study.toml:10:", "counted from 0"][..]),
+        (
+            "grains.max_speed\", of = \"max\"",
+            "grains.max_sped\", of = \"max\"",
+            &["study.toml:17:", "no run has a signal", "did you mean \"grains.max_speed\"?"][..],
+        ),
+        ("of = \"max\"", "of = \"maximum\"", &["study.toml:17:", "found \"maximum\""][..]),
+        ("0.08 Pa s", "50 mPa s", &["points 1 and 3 are the same run"][..]),
+        ("base.toml", "bass.toml", &["study.toml:2:", "there is no file"][..]),
+    ] {
+        assert!(study.contains(from), "{from}");
+        let home = Home::new(&study.replacen(from, to, 1));
+        let output = home.study(&["--out", "out"]);
+        let found = errors(&output);
+        assert_eq!(output.status.code(), Some(2), "{from}: {found}");
+        assert!(words.iter().all(|words| found.contains(words)), "{words:?}:\n{found}");
+        assert!(!home.path().join("out").exists(), "{from}");
+    }
+    let home = Home::new(&study.replace("0.08 Pa s", "0.08 m"));
+    let output = home.study(&["--json"]);
+    let problem: serde_json::Value =
+        serde_json::from_str(said(&output).lines().next().unwrap()).unwrap();
+    assert_eq!((&problem["event"], &problem["line"]), (&"problem".into(), &6.into()), "{problem}");
+}
+
+#[test]
+fn printed_lines_make_the_runs_of_the_study() {
+    let home = Home::new(STUDY);
+    let printed = said(&home.study(&["--out", "out", "--print"]));
+    assert_eq!(printed.lines().count(), 4, "{printed}");
+    assert!(!home.path().join("out").exists());
+    for line in printed.lines() {
+        assert!(Command::new("sh").args(["-c", line]).status().unwrap().success(), "{line}");
+    }
+    let output = home.study(&["--out", "out"]);
+    assert!(errors(&output).contains("4 of 4 runs are done, 0 made now"), "{}", errors(&output));
+    assert_eq!(said(&home.study(&["--out", "out", "--print"])), "");
+    let listed = said(&home.study(&["--out", "out", "--list"]));
+    assert_eq!(listed.lines().count(), 5, "{listed}");
+    assert_eq!(listed.matches("completed").count(), 4, "{listed}");
+}
+
+/// A broken-off run is removed by its printed line.
+#[test]
+fn a_printed_line_makes_a_broken_run_again() {
+    let home = Home::new("base = \"base.toml\"\n");
+    let first = said(&home.study(&["--out", "out", "--print"]));
+    let out = first.split_whitespace().skip_while(|word| *word != "--out").nth(1).unwrap();
+    std::fs::create_dir_all(out).unwrap();
+    std::fs::write(Path::new(out).join("signals.csv"), "window").unwrap();
+    let line = said(&home.study(&["--out", "out", "--print"]));
+    assert!(line.starts_with("rm -r "), "{line}");
+    assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
+    assert_eq!(home.ended("out").len(), 1);
+}
+
+#[test]
+fn the_example_is_right() {
+    let file = "examples/studies/sphere.toml";
+    let output = tremie().args(["study", file, "--list"]).output().unwrap();
+    assert!(output.status.success(), "{}", errors(&output));
+    assert_eq!(said(&output).lines().count(), 1 + 9, "{}", said(&output));
+}
