@@ -1,10 +1,10 @@
 //! `tremie study`: many runs of one manifest, with other values, and a table of their results.
 //!
-//! A study file ([`file`], [`contents`]) names a manifest, axes of values and columns. All
-//! combinations of the axes are its points ([`axes`], [`points`]); each point is one run, or several
-//! with other seeds ([`runs`]). Runs are processes of this program ([`queue`], [`threads`]) in the
-//! study's folder ([`folder`]). Their signals become columns ([`columns`]) of a table ([`table`]) and
-//! plots ([`plots`]).
+//! A study file (`file`, `contents`) names a manifest, axes of values and columns. All
+//! combinations of the axes are its points (`axes`, `points`); each point is one run, or several
+//! with other seeds (`runs`). Runs are processes of this program (`queue`, `threads`) in the
+//! study's folder (`folder`). Their signals become columns (`columns`) of a table (`table`) and
+//! plots (`plots`).
 
 mod axes;
 mod columns;
