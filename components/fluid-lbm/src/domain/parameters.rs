@@ -4,7 +4,7 @@ use crate::lattice::d3q19::CS2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::Problem;
-use tremie_messages::units::{Length, Time};
+use tremie_messages::units::{Length, Time, Viscosity};
 
 /// Parameters of the lattice-Boltzmann fluid.
 ///
@@ -27,6 +27,14 @@ pub struct Parameters {
     /// `(tau - 1/2)(tau_minus - 1/2)` of the TRT collision; 3/16 puts walls exactly half-way.
     #[serde(default = "defaults::magic")]
     pub magic: f64,
+    /// Bulk viscosity, which damps sound and leaves shear alone (default: two thirds of the shear viscosity, what
+    /// the collision has of its own; at a small viscosity nothing damps sound then).
+    #[serde(default)]
+    pub bulk_viscosity: Option<Viscosity>,
+    /// The same by the relaxation time of the stress's trace, in time steps: `zeta = 2/9 (tau_b - 1/2) rho
+    /// dx^2/dt`. With 1 each step takes the trace to its equilibrium. At most one of the two is given.
+    #[serde(default)]
+    pub bulk_relaxation_time: Option<f64>,
     /// Smagorinsky's constant `C` of the eddy viscosity `(C dx)^2 |S|`; 0 for none.
     #[serde(default)]
     pub smagorinsky: f64,
@@ -182,6 +190,8 @@ impl Parameters {
             relaxation_time: None,
             collision: Collision::default(),
             magic: defaults::magic(),
+            bulk_viscosity: None,
+            bulk_relaxation_time: None,
             smagorinsky: 0.0,
             open_faces: OpenFaces::default(),
             walls: Walls::default(),
@@ -225,6 +235,14 @@ impl Parameters {
         (tau - 0.5) * CS2 * self.cell.0 * self.cell.0 / nu
     }
 
+    /// Relaxation time of the trace of the stress at a time step [s], in a fluid of some density [kg/m³]; `None`
+    /// where it is that of all of the stress.
+    pub(crate) fn bulk_tau(&self, time_step: f64, density: f64) -> Option<f64> {
+        let of_viscosity =
+            |Viscosity(zeta)| 0.5 + 4.5 * zeta * time_step / (density * self.cell.0 * self.cell.0);
+        self.bulk_relaxation_time.or_else(|| self.bulk_viscosity.map(of_viscosity))
+    }
+
     /// Mach number of a speed [m/s] at a time step [s].
     pub(crate) fn mach_of(&self, speed: f64, time_step: f64) -> f64 {
         speed * time_step / self.cell.0 / CS2.sqrt()
@@ -253,6 +271,9 @@ impl Parameters {
         positive("cell", self.cell.0, " m");
         if let Some(time_step) = self.time_step {
             positive("time_step", time_step.0, " s");
+        }
+        if let Some(Viscosity(zeta)) = self.bulk_viscosity {
+            positive("bulk_viscosity", zeta, " Pa s");
         }
         positive("magic", self.magic, "");
         positive("mach_limit", self.mach_limit, "");
@@ -296,7 +317,24 @@ impl Parameters {
                 .help("0.03125, a 32nd of a cell, is hardly to be told from 0 and much faster"),
             );
         }
+        self.check_bulk(problems);
         self.check_time(problems);
+    }
+
+    /// Checks the bulk viscosity.
+    fn check_bulk(&self, problems: &mut Vec<Problem>) {
+        let Some(tau) = self.bulk_relaxation_time else { return };
+        let key = "bulk_relaxation_time";
+        if !(tau.is_finite() && tau > 0.5) {
+            let found = format!("must be more than 1/2, found {tau}");
+            problems.push(Problem::of_parameter(key, found).help("1 damps sound most evenly"));
+        }
+        if self.bulk_viscosity.is_some() {
+            problems.push(
+                Problem::of_parameter(key, "is given together with bulk_viscosity")
+                    .help("each follows from the other: leave one out"),
+            );
+        }
     }
 
     /// Checks what the time step follows from.

@@ -10,6 +10,16 @@
 //! (Ginzburg, Verhaeghe & d'Humieres 2008; forcing of Guo, Zheng & Shi 2002 split into its even and
 //! odd parts). Equal times give the BGK collision. Each step adds `F` to a cell's momentum.
 //!
+//! The trace of the stress may relax at a rate of its own, `1/tau_b`: its difference from the rate `1/tau+`
+//!
+//! ```text
+//! D = (1/tau+ - 1/tau_b) Pi_aa,   g_i += 3/2 w_i (c_i.c_i - 1) D
+//! ```
+//!
+//! changes the trace alone, neither mass, momentum nor shear (d'Humieres et al. 2002; of all directions,
+//! those along axes have no share in it). It gives the lattice a bulk viscosity `2/9 (tau_b - 1/2)`; without
+//! it that is two thirds of the shear viscosity.
+//!
 //! A viscosity that follows from a cell's flow (see `operators`) follows from the stress
 //!
 //! ```text
@@ -41,6 +51,8 @@ pub struct Relaxation {
     pub smagorinsky: f64,
     /// `(tau+ - 1/2)(tau- - 1/2)`, or `None` for one relaxation time.
     pub magic: Option<f64>,
+    /// `1/tau_b` of the trace of the stress, or `None` where it relaxes as all of the stress.
+    pub bulk: Option<f64>,
 }
 
 impl Relaxation {
@@ -52,17 +64,24 @@ impl Relaxation {
             acceleration,
             smagorinsky: 0.0,
             magic: Some(magic),
+            bulk: None,
         }
     }
 
     /// One relaxation time for both parts.
     pub fn single(tau: f64, acceleration: [f64; 3]) -> Self {
-        Self { even: 1.0 / tau, odd: 1.0 / tau, acceleration, smagorinsky: 0.0, magic: None }
+        let (even, odd) = (1.0 / tau, 1.0 / tau);
+        Self { even, odd, acceleration, smagorinsky: 0.0, magic: None, bulk: None }
     }
 
     /// With Smagorinsky's closure of constant `C`.
     pub fn with_smagorinsky(self, constant: f64) -> Self {
         Self { smagorinsky: constant, ..self }
+    }
+
+    /// With a relaxation time of the trace of the stress.
+    pub fn with_bulk(self, tau: Option<f64>) -> Self {
+        Self { bulk: tau.map(|tau| 1.0 / tau), ..self }
     }
 }
 
@@ -78,6 +97,7 @@ pub struct Constants<V> {
     third: V,
     two_thirds: V,
     four_ninths: V,
+    five_thirds: V,
     w: V,
     two_w: V,
     w0: V,
@@ -103,6 +123,9 @@ pub struct Constants<V> {
     tau2: V,
     smagorinsky_rates: V,
     magic: V,
+    /// `a` and `b` of `(a - b 2 tau+) Pi_aa`, the share of a diagonal direction in `D`; where each cell has
+    /// its own times, in `tau+ D`. Both are 0 where the trace has no rate of its own.
+    bulk: [V; 2],
 }
 
 impl<V: LatticeVector> Constants<V> {
@@ -124,6 +147,12 @@ impl<V: LatticeVector> Constants<V> {
         // All weights together, so that rounding them loses no mass.
         let even0 = 1.0 - (keep - swap) - 24.0 * even;
         let tau = 1.0 / r.even;
+        // Of 3/2 w (c.c - 1) = 1/24.
+        let bulk = match r.bulk {
+            None => [0.0, 0.0],
+            Some(rate) if r.smagorinsky == 0.0 => [(r.even - rate) / 24.0, 0.0],
+            Some(rate) => [1.0 / 24.0, rate / 48.0],
+        };
         // SAFETY: by contract.
         unsafe {
             let each = |a: [f64; 3], factor: f64| {
@@ -153,6 +182,7 @@ impl<V: LatticeVector> Constants<V> {
                 third: V::splat(1.0 / 3.0),
                 two_thirds: V::splat(2.0 / 3.0),
                 four_ninths: V::splat(4.0 / 9.0),
+                five_thirds: V::splat(5.0 / 3.0),
                 w: V::splat(w),
                 two_w: V::splat(2.0 * w),
                 w0: V::splat(W[0]),
@@ -172,6 +202,7 @@ impl<V: LatticeVector> Constants<V> {
                     12.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky,
                 ),
                 magic: V::splat(r.magic.unwrap_or(0.0)),
+                bulk: [V::splat(bulk[0]), V::splat(bulk[1])],
             }
         }
     }
@@ -216,6 +247,9 @@ pub struct Equilibrium<V> {
     rho: V,
     /// `drho - 3/2 rho u.u`.
     rest: V,
+    /// Share of a diagonal direction in what the trace of the stress relaxes otherwise; the direction at
+    /// rest has -12 times as much.
+    excess: V,
 }
 
 /// Places of the populations of a vector of cells.
@@ -337,7 +371,19 @@ pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool
     } else {
         k.rates
     };
-    Moments { drho, j, v2, target: Equilibrium { v, rho, rest }, rates }
+    // Pi_aa, in equilibrium drho + rho u.u
+    let mut trace = k
+        .two_thirds
+        .mul_add(rest, k.five_thirds.mul_from(drho, normal[0] + (normal[1] + normal[2])));
+    if FORCED {
+        // u.F
+        let pulled = v[2].mul_add(k.pull[2], v[1].mul_add(k.pull[1], v[0] * k.pull[0]));
+        trace = (k.four_ninths * rho).mul_add(pulled, trace);
+    }
+    let share =
+        if O::IS_LOCAL { k.bulk[1].mul_from(rates.twice_tau, k.bulk[0]) } else { k.bulk[0] };
+    let excess = share * trace;
+    Moments { drho, j, v2, target: Equilibrium { v, rho, rest, excess }, rates }
 }
 
 /// `a.a`.

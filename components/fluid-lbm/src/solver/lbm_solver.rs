@@ -432,4 +432,5 @@ fn relaxation_of(
         Collision::Trt => Relaxation::with_magic(tau, parameters.magic, acceleration),
     }
     .with_smagorinsky(parameters.smagorinsky)
+    .with_bulk(parameters.bulk_tau(units.time_step, fluid.density))
 }

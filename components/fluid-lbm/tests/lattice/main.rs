@@ -7,5 +7,6 @@ mod channel;
 mod in_place;
 mod precision;
 mod same_bits;
+mod sound;
 mod taylor_green;
 mod vortices;

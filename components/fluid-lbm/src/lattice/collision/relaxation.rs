@@ -137,7 +137,7 @@ unsafe fn relax_alike<
     target: &Equilibrium<V>,
     k: &Constants<V>,
 ) {
-    let &Equilibrium { v, rho, rest } = target;
+    let &Equilibrium { v, rho, rest, excess } = target;
     let rho_va = pull::<V, FORCED>(target, k);
     // What remains of a population and of its opposite.
     macro_rules! mixed {
@@ -150,7 +150,10 @@ unsafe fn relax_alike<
     if FORCED {
         (g, balance) = (k.w0.mul_from(rho_va, g), k.w.mul_from(rho_va, balance));
     }
-    let (balance, flow) = (both!(balance), both!(k.twice[0] * rho));
+    let mut balance = both!(balance);
+    balance[1] = balance[1] + excess;
+    g = k.twelve.mul_from(excess, g);
+    let flow = both!(k.twice[0] * rho);
     let flow_odd = if O::IS_SINGLE { flow } else { both!(k.twice[1] * rho) };
     let h = at!(vector, 0);
     put!(vector, 0, mixed!(h, h, g));
@@ -193,13 +196,14 @@ unsafe fn relax_each<
     rates: &RelaxationRates<V>,
     k: &Constants<V>,
 ) {
-    let &Equilibrium { v, rho, rest } = target;
+    let &Equilibrium { v, rho, rest, excess } = target;
     let rho_va = pull::<V, FORCED>(target, k);
-    let (balance, flow) = (both!(k.w * rest), both!(k.two_w * rho));
+    let (mut balance, flow) = (both!(k.w * rest), both!(k.two_w * rho));
     let pull = both!(k.w * rho_va);
     let (half_even, half_odd) = (k.half * rates.even, k.half * rates.odd);
     let h = at!(vector, 0);
-    let off = k.twelve.mul_sub(balance[1], h);
+    let off = k.twelve.mul_sub(balance[1] - excess, h);
+    balance[1] = balance[1] + excess;
     put!(
         vector,
         0,

@@ -142,3 +142,44 @@ fn the_closure_is_the_fixed_point_of_smagorinskys_viscosity() {
         }
     }
 }
+
+/// `sum_i c_ia c_ib h_i`.
+fn second_moment(h: &[f64; Q], a: usize, b: usize) -> f64 {
+    (0..Q).map(|i| C_F64[i][a] * C_F64[i][b] * h[i]).sum()
+}
+
+#[test]
+fn the_trace_of_the_stress_relaxes_at_its_own_rate_and_nothing_else_does() {
+    let h = some_state();
+    let bulk = 0.9;
+    for a in [[0.0; 3], [1e-3, -2e-3, 5e-4]] {
+        for without in [
+            Relaxation::single(0.7, a),
+            Relaxation::with_magic(0.55, 0.1875, a),
+            Relaxation::single(0.6, a).with_smagorinsky(0.2),
+            Relaxation::with_magic(0.6, 0.1875, a).with_smagorinsky(0.2),
+        ] {
+            let forced = a != [0.0; 3];
+            let with = collided(&h, &without.with_bulk(Some(bulk)), forced);
+            let without = collided(&h, &without, forced);
+            let (drho, j) = moments(&h);
+            let rho = 1.0 + drho;
+            let u: [f64; 3] = std::array::from_fn(|k| j[k] / rho + 0.5 * a[k]);
+            let pulled = rho * dot(u, a);
+            let trace = |h: &[f64; Q]| (0..3).map(|k| second_moment(h, k, k)).sum::<f64>();
+            let excess = trace(&h) - drho - rho * dot(u, u);
+            let expected = trace(&h) - excess / bulk + (2.0 - 1.0 / bulk) * pulled;
+            assert!((trace(&with) - expected).abs() < 1e-15, "{} {expected}", trace(&with));
+            assert!((moments(&with).0 - moments(&without).0).abs() < 1e-15);
+            for k in 0..3 {
+                assert!((moments(&with).1[k] - moments(&without).1[k]).abs() < 1e-15);
+                let other = (k + 1) % 3;
+                let shear = |h: &[f64; Q]| second_moment(h, k, other);
+                assert!((shear(&with) - shear(&without)).abs() < 1e-15);
+                let difference =
+                    |h: &[f64; Q]| second_moment(h, k, k) - second_moment(h, other, other);
+                assert!((difference(&with) - difference(&without)).abs() < 1e-15);
+            }
+        }
+    }
+}
