@@ -104,13 +104,16 @@ mod defaults {
 
 /// Collision operator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Collision {
     /// One relaxation time (Bhatnagar, Gross, Krook).
     Bgk,
     /// Two relaxation times, the second by `magic` (Ginzburg, Verhaeghe, d'Humieres 2008).
     #[default]
     Trt,
+    /// Central moments, of which those beyond the stress relax in one step (De Rosis & Coreixas 2020). A wall's
+    /// place depends on the viscosity.
+    CentralMoments,
 }
 
 /// Scheme of faces with given velocity or pressure.

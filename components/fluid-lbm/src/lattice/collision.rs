@@ -29,13 +29,14 @@
 //! (the strain rate `S_ab` of the second-order expansion; the force's share after Guo, Zheng & Shi
 //! 2002, eq. 18).
 
+mod central_relaxation;
 pub mod operators;
 mod relaxation;
 
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
 use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Real, prefetch_early};
-use operators::CollisionOperator;
+use operators::{CollisionOperator, RelaxedStress};
 pub use relaxation::relax;
 
 /// Constants of a collision.
@@ -51,6 +52,8 @@ pub struct Relaxation {
     pub smagorinsky: f64,
     /// `(tau+ - 1/2)(tau- - 1/2)`, or `None` for one relaxation time.
     pub magic: Option<f64>,
+    /// True if moments about the velocity relax, those of higher order than the stress in one step.
+    pub central: bool,
     /// `1/tau_b` of the trace of the stress, or `None` where it relaxes as all of the stress.
     pub bulk: Option<f64>,
 }
@@ -64,6 +67,7 @@ impl Relaxation {
             acceleration,
             smagorinsky: 0.0,
             magic: Some(magic),
+            central: false,
             bulk: None,
         }
     }
@@ -71,7 +75,13 @@ impl Relaxation {
     /// One relaxation time for both parts.
     pub fn single(tau: f64, acceleration: [f64; 3]) -> Self {
         let (even, odd) = (1.0 / tau, 1.0 / tau);
-        Self { even, odd, acceleration, smagorinsky: 0.0, magic: None, bulk: None }
+        let (magic, bulk) = (None, None);
+        Self { even, odd, acceleration, smagorinsky: 0.0, magic, central: false, bulk }
+    }
+
+    /// Of central moments: one time for the stress.
+    pub fn central(tau: f64, acceleration: [f64; 3]) -> Self {
+        Self { central: true, ..Self::single(tau, acceleration) }
     }
 
     /// With Smagorinsky's closure of constant `C`.
@@ -98,6 +108,10 @@ pub struct Constants<V> {
     two_thirds: V,
     four_ninths: V,
     five_thirds: V,
+    quarter: V,
+    four: V,
+    eight: V,
+    ninth: V,
     w: V,
     two_w: V,
     w0: V,
@@ -183,6 +197,10 @@ impl<V: LatticeVector> Constants<V> {
                 two_thirds: V::splat(2.0 / 3.0),
                 four_ninths: V::splat(4.0 / 9.0),
                 five_thirds: V::splat(5.0 / 3.0),
+                quarter: V::splat(0.25),
+                four: V::splat(4.0),
+                eight: V::splat(8.0),
+                ninth: V::splat(1.0 / 9.0),
                 w: V::splat(w),
                 two_w: V::splat(2.0 * w),
                 w0: V::splat(W[0]),
@@ -210,7 +228,7 @@ impl<V: LatticeVector> Constants<V> {
 
 /// A vector of cells before their collision: what is measured of them, and what they relax to.
 #[derive(Clone, Copy)]
-pub struct Moments<V> {
+pub struct Moments<V, S = ()> {
     /// Density minus 1.
     pub drho: V,
     /// `sum_i h_i c_i`.
@@ -218,12 +236,12 @@ pub struct Moments<V> {
     /// `9/4 u.u`.
     pub v2: V,
     /// Equilibrium to which they relax.
-    pub target: Equilibrium<V>,
+    pub target: Equilibrium<V, S>,
     /// Their relaxation; of no meaning without the closure, where it is the same everywhere.
     pub rates: RelaxationRates<V>,
 }
 
-impl<V: LatticeVector> Moments<V> {
+impl<V: LatticeVector, S> Moments<V, S> {
     /// The same with zeros in the lanes that `mask` lacks, in all that is summed up.
     #[inline(always)]
     pub fn keep(self, mask: V::Mask) -> Self {
@@ -240,7 +258,7 @@ impl<V: LatticeVector> Moments<V> {
 /// The equilibrium that a vector of cells relaxes to: `heq_i = w_i [rest + 2 rho (c_i.v) (1 +
 /// c_i.v)]`.
 #[derive(Clone, Copy)]
-pub struct Equilibrium<V> {
+pub struct Equilibrium<V, S = ()> {
     /// `v = 3/2 u`.
     v: [V; 3],
     /// Density.
@@ -250,6 +268,8 @@ pub struct Equilibrium<V> {
     /// Share of a diagonal direction in what the trace of the stress relaxes otherwise; the direction at
     /// rest has -12 times as much.
     excess: V,
+    /// The relaxed stress, as far as the operator needs it.
+    stress: S,
 }
 
 /// Places of the populations of a vector of cells.
@@ -306,7 +326,7 @@ pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
 pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     populations: &impl Populations<V>,
     k: &Constants<V>,
-) -> Moments<V> {
+) -> Moments<V, O::Stress<V>> {
     // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
     // last).
     macro_rules! at {
@@ -357,7 +377,8 @@ pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool
         v2 = kinetic * per_rho;
         rest = drho - kinetic;
     }
-    let rates = if O::IS_LOCAL {
+    let mut stress = ([drho; 3], [drho; 3]);
+    if O::IS_LOCAL || O::IS_CENTRAL {
         // 2/3 rho u
         let momentum = if FORCED {
             let factor = k.four_ninths * rho;
@@ -366,8 +387,10 @@ pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool
             [k.two_thirds * j[0], k.two_thirds * j[1], k.two_thirds * j[2]]
         };
         let shear = [shear_xy, shear_xz, shear_yz];
-        let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &v, k);
-        O::rates(square, per_rho, k)
+        stress = stress_of::<V, FORCED>(drho, normal, shear, &momentum, &v, k);
+    }
+    let rates = if O::IS_LOCAL {
+        O::rates(k.two.mul_add(square(&stress.1), square(&stress.0)), per_rho, k)
     } else {
         k.rates
     };
@@ -383,7 +406,28 @@ pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool
     let share =
         if O::IS_LOCAL { k.bulk[1].mul_from(rates.twice_tau, k.bulk[0]) } else { k.bulk[0] };
     let excess = share * trace;
-    Moments { drho, j, v2, target: Equilibrium { v, rho, rest, excess }, rates }
+    if O::IS_CENTRAL {
+        stress = relaxed::<V, O>(stress, excess, &rates, k);
+    }
+    let (normal, shear) = stress;
+    let stress = O::keep(RelaxedStress { drho, normal, shear });
+    Moments { drho, j, v2, target: Equilibrium { v, rho, rest, excess, stress }, rates }
+}
+
+/// A stress after a step, see [`CollisionOperator::IS_CENTRAL`]; `excess` is that of [`Equilibrium`].
+#[inline(always)]
+fn relaxed<V: LatticeVector, O: CollisionOperator>(
+    (normal, shear): ([V; 3], [V; 3]),
+    excess: V,
+    rates: &RelaxationRates<V>,
+    k: &Constants<V>,
+) -> ([V; 3], [V; 3]) {
+    let keep = k.one - rates.even;
+    // A third of D: the trace has three parts.
+    let bulk = k.eight * if O::IS_LOCAL { rates.even * excess } else { excess };
+    let [x, y, z] = normal;
+    let normal = [keep.mul_add(x, bulk), keep.mul_add(y, bulk), keep.mul_add(z, bulk)];
+    (normal, [keep * shear[0], keep * shear[1], keep * shear[2]])
 }
 
 /// `a.a`.
@@ -403,17 +447,17 @@ pub struct RelaxationRates<V> {
     odd: V,
 }
 
-/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a
+/// `Pi_ab` (xx, yy, zz; xy, xz, yz) from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a
 /// u_b`; `momentum` is `2/3 rho u`.
 #[inline(always)]
-fn stress2<V: LatticeVector, const FORCED: bool>(
+fn stress_of<V: LatticeVector, const FORCED: bool>(
     drho: V,
     normal: [V; 3],
     shear: [V; 3],
     momentum: &[V; 3],
     v: &[V; 3],
     k: &Constants<V>,
-) -> V {
+) -> ([V; 3], [V; 3]) {
     let mut normal = [
         momentum[0].mul_from(v[0], k.third.mul_from(drho, normal[0])),
         momentum[1].mul_from(v[1], k.third.mul_from(drho, normal[1])),
@@ -438,7 +482,7 @@ fn stress2<V: LatticeVector, const FORCED: bool>(
             momentum[1].mul_add(lead[2], momentum[2].mul_add(lead[1], shear[2])),
         ];
     }
-    k.two.mul_add(square(&shear), square(&normal))
+    (normal, shear)
 }
 
 #[cfg(test)]

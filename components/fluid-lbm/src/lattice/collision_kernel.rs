@@ -7,7 +7,9 @@
 
 use crate::lattice::aa_gather::{self, PIECES_AHEAD, Scratch};
 use crate::lattice::aa_pattern::{AaPattern, Parity};
-use crate::lattice::collision::operators::{CollisionOperator, SingleTime, Smagorinsky, TwoTimes};
+use crate::lattice::collision::operators::{
+    CentralMoments, CollisionOperator, SingleTime, Smagorinsky, TwoTimes,
+};
 use crate::lattice::collision::{Constants, Relaxation};
 use crate::lattice::contiguous_lines::{self, LineRun};
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
@@ -175,7 +177,12 @@ macro_rules! kernels {
     };
     (choose, $relaxation:expr) => {{
         let r = $relaxation;
-        match (r.acceleration != [0.0; 3], r.smagorinsky != 0.0, r.magic.is_none()) {
+        let (is_forced, has_eddies) = (r.acceleration != [0.0; 3], r.smagorinsky != 0.0);
+        match (is_forced, has_eddies, r.magic.is_none()) {
+            (false, false, _) if r.central => run::<CentralMoments<false>, false>,
+            (false, true, _) if r.central => run::<CentralMoments<true>, false>,
+            (true, false, _) if r.central => run::<CentralMoments<false>, true>,
+            (true, true, _) if r.central => run::<CentralMoments<true>, true>,
             (false, false, false) => run::<TwoTimes, false>,
             (false, false, true) => run::<SingleTime, false>,
             (false, true, false) => run::<Smagorinsky<false>, false>,

@@ -161,7 +161,7 @@ unsafe fn measure_vector<V: LatticeVector, O: CollisionOperator, const FORCED: b
     populations: &impl Populations<V>,
     k: &Constants<V>,
     held: &mut Held<V>,
-) -> Moments<V> {
+) -> Moments<V, O::Stress<V>> {
     // SAFETY: by contract of [`collide`].
     unsafe {
         let mut flow = measure::<V, O, FORCED>(populations, k);
@@ -182,7 +182,7 @@ unsafe fn measure_vector<V: LatticeVector, O: CollisionOperator, const FORCED: b
 unsafe fn relax_vector<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     lanes: u32,
     populations: &impl Populations<V>,
-    to: (&Equilibrium<V>, &RelaxationRates<V>),
+    to: (&Equilibrium<V, O::Stress<V>>, &RelaxationRates<V>),
     k: &Constants<V>,
 ) {
     // SAFETY: by contract of [`collide`].
@@ -207,12 +207,12 @@ const LINES_TOGETHER: usize = 4;
 const VECTORS: usize = 16;
 
 /// Equilibria of the vectors, and rates of relaxation where each cell has its own.
-struct Measured<V> {
-    targets: [MaybeUninit<Equilibrium<V>>; VECTORS],
+struct Measured<V, S> {
+    targets: [MaybeUninit<Equilibrium<V, S>>; VECTORS],
     rates: [MaybeUninit<RelaxationRates<V>>; VECTORS],
 }
 
-impl<V: LatticeVector> Measured<V> {
+impl<V: LatticeVector, S: Copy> Measured<V, S> {
     fn new() -> Self {
         const { assert!(LINES_TOGETHER * V::Scalar::LINE <= VECTORS * V::N) };
         Self { targets: [MaybeUninit::uninit(); VECTORS], rates: [MaybeUninit::uninit(); VECTORS] }
@@ -228,7 +228,7 @@ unsafe fn measure_lines<V: LatticeVector, O: CollisionOperator, const FORCED: bo
     k: &Constants<V>,
     sums: &mut StatisticsSums<V>,
     held: &mut Held<V>,
-    measured: &mut Measured<V>,
+    measured: &mut Measured<V, O::Stress<V>>,
 ) {
     let mut vector = 0;
     for line in lines {
@@ -268,7 +268,7 @@ unsafe fn relax_lines<V: LatticeVector, O: CollisionOperator, const FORCED: bool
     run: &LineRun<V::Scalar>,
     lines: Range<usize>,
     k: &Constants<V>,
-    measured: &Measured<V>,
+    measured: &Measured<V, O::Stress<V>>,
 ) {
     let mut vector = 0;
     for line in lines {

@@ -95,7 +95,7 @@ impl<V: LatticeVector> Held<V> {
 
     /// Adds the vector at lane `lane` of a line, whose cells have rates of their own or not.
     #[inline(always)]
-    pub fn add(&mut self, lane: usize, flow: &Moments<V>, is_local: bool) {
+    pub fn add(&mut self, lane: usize, flow: &Moments<V, impl Copy>, is_local: bool) {
         const { assert!(V::N * VECTORS >= V::Scalar::LINE) };
         // Of no effect; the compiler sees that the vector is there.
         let vector = (lane / V::N) % VECTORS;

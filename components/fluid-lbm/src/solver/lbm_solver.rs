@@ -429,6 +429,7 @@ fn relaxation_of(
     let acceleration = fluid.acceleration.map(|a| a / units.acceleration());
     match parameters.collision {
         Collision::Bgk => Relaxation::single(tau, acceleration),
+        Collision::CentralMoments => Relaxation::central(tau, acceleration),
         Collision::Trt => Relaxation::with_magic(tau, parameters.magic, acceleration),
     }
     .with_smagorinsky(parameters.smagorinsky)

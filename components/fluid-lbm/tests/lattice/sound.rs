@@ -50,6 +50,8 @@ fn sound_dies_as_shear_and_bulk_viscosity_say() {
         (Collision::Trt, (0.52, Some(0.8)), 0.0),
         (Collision::Bgk, (0.52, Some(1.4)), 0.0),
         (Collision::Bgk, (0.500004, Some(0.7)), 0.1),
+        (Collision::CentralMoments, (0.6, None), 0.0),
+        (Collision::CentralMoments, (0.500004, Some(1.0)), 0.1),
     ] {
         let (tau, bulk) = times;
         let (shear, zeta) = ((tau - 0.5) / 3.0, 2.0 / 9.0 * (bulk.unwrap_or(tau) - 0.5));

@@ -38,7 +38,13 @@ fn error(n: usize, collision: Collision, tau: f64) -> f64 {
 
 #[test]
 fn the_error_is_of_second_order() {
-    for (collision, tau) in [(Collision::Bgk, 0.8), (Collision::Trt, 0.8), (Collision::Trt, 0.6)] {
+    for (collision, tau) in [
+        (Collision::Bgk, 0.8),
+        (Collision::Trt, 0.8),
+        (Collision::Trt, 0.6),
+        (Collision::CentralMoments, 0.8),
+        (Collision::CentralMoments, 0.6),
+    ] {
         let errors = [16, 32, 64].map(|n| error(n, collision, tau));
         let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
         println!("{collision:?} tau {tau}: errors {errors:?}, orders {orders:?}");

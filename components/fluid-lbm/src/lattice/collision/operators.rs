@@ -13,11 +13,47 @@ pub trait CollisionOperator {
     const IS_LOCAL: bool;
     /// True if both times are the same.
     const IS_SINGLE: bool;
+    /// True if populations follow from density, velocity and the relaxed stress alone.
+    const IS_CENTRAL: bool = false;
+    /// What relaxation needs of the stress.
+    type Stress<V: LatticeVector>: Copy;
+
+    /// What relaxation needs of a stress.
+    fn keep<V: LatticeVector>(stress: RelaxedStress<V>) -> Self::Stress<V>;
+
+    /// The stress that was kept; `any` where there is none.
+    fn kept<V: LatticeVector>(stress: Self::Stress<V>, any: V) -> RelaxedStress<V>;
 
     /// Rates of cells with a stress `Pi_ab Pi_ab` and `3/(2 rho)`; asked where rates differ.
     fn rates<V: LatticeVector>(_stress2: V, _per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
         k.rates
     }
+}
+
+/// Density minus 1, and the relaxed stress.
+#[derive(Clone, Copy)]
+pub struct RelaxedStress<V> {
+    /// Density minus 1.
+    pub drho: V,
+    /// On the diagonal: xx, yy, zz.
+    pub normal: [V; 3],
+    /// Beside it: xy, xz, yz.
+    pub shear: [V; 3],
+}
+
+/// Of operators whose populations do not follow from the stress alone.
+macro_rules! needs_no_stress {
+    () => {
+        type Stress<V: LatticeVector> = ();
+
+        #[inline(always)]
+        fn keep<V: LatticeVector>(_: RelaxedStress<V>) {}
+
+        #[inline(always)]
+        fn kept<V: LatticeVector>((): (), any: V) -> RelaxedStress<V> {
+            RelaxedStress { drho: any, normal: [any; 3], shear: [any; 3] }
+        }
+    };
 }
 
 /// One relaxation time (Bhatnagar, Gross & Krook 1954; Qian, d'Humieres & Lallemand 1992).
@@ -26,6 +62,7 @@ pub struct SingleTime;
 impl CollisionOperator for SingleTime {
     const IS_LOCAL: bool = false;
     const IS_SINGLE: bool = true;
+    needs_no_stress!();
 }
 
 /// Two relaxation times (Ginzburg, Verhaeghe & d'Humieres 2008).
@@ -34,6 +71,7 @@ pub struct TwoTimes;
 impl CollisionOperator for TwoTimes {
     const IS_LOCAL: bool = false;
     const IS_SINGLE: bool = false;
+    needs_no_stress!();
 }
 
 /// Smagorinsky's model `nu_t = (C dx)^2 |S|`:
@@ -49,6 +87,7 @@ pub struct Smagorinsky<const SINGLE: bool>;
 impl<const SINGLE: bool> CollisionOperator for Smagorinsky<SINGLE> {
     const IS_LOCAL: bool = true;
     const IS_SINGLE: bool = SINGLE;
+    needs_no_stress!();
 
     #[inline(always)]
     fn rates<V: LatticeVector>(stress2: V, per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
@@ -63,5 +102,33 @@ impl<const SINGLE: bool> CollisionOperator for Smagorinsky<SINGLE> {
             over / k.half.mul_add(over, k.magic)
         };
         RelaxationRates { twice_tau, even, odd }
+    }
+}
+
+/// Central moments (Geier, Greiner & Korvink 2006; on D3Q19 De Rosis & Coreixas 2020): moments about the
+/// velocity of the fluid. The second ones relax, by the viscosity and by that of the bulk; those of third
+/// and fourth order go to their equilibrium in each step. With `EDDIES` the viscosity has a share by
+/// [`Smagorinsky`].
+pub struct CentralMoments<const EDDIES: bool>;
+
+impl<const EDDIES: bool> CollisionOperator for CentralMoments<EDDIES> {
+    const IS_LOCAL: bool = EDDIES;
+    const IS_SINGLE: bool = true;
+    const IS_CENTRAL: bool = true;
+    type Stress<V: LatticeVector> = RelaxedStress<V>;
+
+    #[inline(always)]
+    fn keep<V: LatticeVector>(stress: RelaxedStress<V>) -> RelaxedStress<V> {
+        stress
+    }
+
+    #[inline(always)]
+    fn kept<V: LatticeVector>(stress: RelaxedStress<V>, _: V) -> RelaxedStress<V> {
+        stress
+    }
+
+    #[inline(always)]
+    fn rates<V: LatticeVector>(stress2: V, per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
+        Smagorinsky::<true>::rates(stress2, per_rho, k)
     }
 }

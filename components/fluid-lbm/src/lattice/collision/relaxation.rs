@@ -3,6 +3,7 @@
 //! They are read for the second time here, from the first-level cache, pair by pair, so that nearly
 //! all values stay in registers.
 
+use super::central_relaxation::relax_central;
 use super::operators::CollisionOperator;
 use super::{Constants, Equilibrium, Populations, RelaxationRates};
 use crate::lattice::populations::LatticeVector;
@@ -48,7 +49,7 @@ macro_rules! each_pair {
 }
 
 /// Some lanes of the populations of a vector of cells.
-struct Vector<'a, V: LatticeVector, P, const WHOLE: bool> {
+pub(super) struct Vector<'a, V: LatticeVector, P, const WHOLE: bool> {
     populations: &'a P,
     mask: V::Mask,
 }
@@ -69,7 +70,7 @@ impl<V: LatticeVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WH
     /// # Safety
     /// As for [`Populations::store`].
     #[inline(always)]
-    unsafe fn put(&self, i: usize, value: V) {
+    pub(super) unsafe fn put(&self, i: usize, value: V) {
         let value = if WHOLE { value } else { value.keep(self.mask) };
         // SAFETY: by contract.
         unsafe { self.populations.store(i, value) }
@@ -92,13 +93,15 @@ pub unsafe fn relax<
 >(
     populations: &impl Populations<V>,
     mask: V::Mask,
-    (target, rates): (&Equilibrium<V>, &RelaxationRates<V>),
+    (target, rates): (&Equilibrium<V, O::Stress<V>>, &RelaxationRates<V>),
     k: &Constants<V>,
 ) {
     let vector = Vector::<V, _, WHOLE> { populations, mask };
     // SAFETY: by contract.
     unsafe {
-        if O::IS_LOCAL {
+        if O::IS_CENTRAL {
+            relax_central::<V, _, O, FORCED, WHOLE>(&vector, target, k);
+        } else if O::IS_LOCAL {
             relax_each::<V, _, O, FORCED, WHOLE>(&vector, target, rates, k);
         } else {
             relax_alike::<V, _, O, FORCED, WHOLE>(&vector, target, k);
@@ -109,8 +112,8 @@ pub unsafe fn relax<
 /// `rho e 2 v.a`, in `S+ = w rho e [6 (c.v)(c.a) - 2 v.a]`; the density where there is no
 /// acceleration.
 #[inline(always)]
-fn pull<V: LatticeVector, const FORCED: bool>(
-    &Equilibrium { v, rho, .. }: &Equilibrium<V>,
+fn pull<V: LatticeVector, S, const FORCED: bool>(
+    &Equilibrium { v, rho, .. }: &Equilibrium<V, S>,
     k: &Constants<V>,
 ) -> V {
     if !FORCED {
@@ -134,11 +137,11 @@ unsafe fn relax_alike<
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
-    target: &Equilibrium<V>,
+    target: &Equilibrium<V, O::Stress<V>>,
     k: &Constants<V>,
 ) {
-    let &Equilibrium { v, rho, rest, excess } = target;
-    let rho_va = pull::<V, FORCED>(target, k);
+    let &Equilibrium { v, rho, rest, excess, .. } = target;
+    let rho_va = pull::<V, _, FORCED>(target, k);
     // What remains of a population and of its opposite.
     macro_rules! mixed {
         ($own:expr, $other:expr, $rest:expr) => {{
@@ -192,12 +195,12 @@ unsafe fn relax_each<
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
-    target: &Equilibrium<V>,
+    target: &Equilibrium<V, O::Stress<V>>,
     rates: &RelaxationRates<V>,
     k: &Constants<V>,
 ) {
-    let &Equilibrium { v, rho, rest, excess } = target;
-    let rho_va = pull::<V, FORCED>(target, k);
+    let &Equilibrium { v, rho, rest, excess, .. } = target;
+    let rho_va = pull::<V, _, FORCED>(target, k);
     let (mut balance, flow) = (both!(k.w * rest), both!(k.two_w * rho));
     let pull = both!(k.w * rho_va);
     let (half_even, half_odd) = (k.half * rates.even, k.half * rates.odd);

@@ -1,6 +1,6 @@
 //! One cell against the formulas.
 
-use super::operators::{SingleTime, Smagorinsky, TwoTimes};
+use super::operators::{CentralMoments, SingleTime, Smagorinsky, TwoTimes};
 use super::*;
 use crate::lattice::d3q19::equilibrium;
 use tremie_team::simd::Portable;
@@ -22,6 +22,10 @@ fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
     let first = g.as_mut_ptr();
     let places = std::array::from_fn(|i| first.wrapping_add(i));
     match (forced, r.smagorinsky != 0.0, r.magic.is_none()) {
+        (false, false, _) if r.central => collide::<CentralMoments<false>, false>(&places, r),
+        (false, true, _) if r.central => collide::<CentralMoments<true>, false>(&places, r),
+        (true, false, _) if r.central => collide::<CentralMoments<false>, true>(&places, r),
+        (true, true, _) if r.central => collide::<CentralMoments<true>, true>(&places, r),
         (false, false, false) => collide::<TwoTimes, false>(&places, r),
         (false, false, true) => collide::<SingleTime, false>(&places, r),
         (false, true, false) => collide::<Smagorinsky<false>, false>(&places, r),
@@ -158,6 +162,8 @@ fn the_trace_of_the_stress_relaxes_at_its_own_rate_and_nothing_else_does() {
             Relaxation::with_magic(0.55, 0.1875, a),
             Relaxation::single(0.6, a).with_smagorinsky(0.2),
             Relaxation::with_magic(0.6, 0.1875, a).with_smagorinsky(0.2),
+            Relaxation::central(0.6, a),
+            Relaxation::central(0.6, a).with_smagorinsky(0.2),
         ] {
             let forced = a != [0.0; 3];
             let with = collided(&h, &without.with_bulk(Some(bulk)), forced);
@@ -181,5 +187,62 @@ fn the_trace_of_the_stress_relaxes_at_its_own_rate_and_nothing_else_does() {
                 assert!((difference(&with) - difference(&without)).abs() < 1e-15);
             }
         }
+    }
+}
+
+/// `sum_i (c_ix - u_x)^p_x (c_iy - u_y)^p_y (c_iz - u_z)^p_z f_i`.
+fn central_moment(h: &[f64; Q], u: [f64; 3], powers: [i32; 3]) -> f64 {
+    let factor = |i: usize| (0..3).map(|a| (C_F64[i][a] - u[a]).powi(powers[a])).product::<f64>();
+    (0..Q).map(|i| factor(i) * (h[i] + W[i])).sum()
+}
+
+#[test]
+fn central_moments_relax_as_they_are_said_to() {
+    let h = some_state();
+    let tau = 0.7;
+    for a in [[0.0; 3], [1e-3, -2e-3, 5e-4]] {
+        let forced = a != [0.0; 3];
+        let (drho, j) = moments(&h);
+        let rho = 1.0 + drho;
+        let u: [f64; 3] = std::array::from_fn(|k| j[k] / rho + 0.5 * a[k]);
+        let relaxation = Relaxation::central(tau, a);
+        let g = collided(&h, &relaxation, forced);
+        let is = |powers: [i32; 3], expected: f64| {
+            let found = central_moment(&g, u, powers);
+            assert!((found - expected).abs() < 1e-15, "{powers:?}: {found} {expected}");
+        };
+        is([0; 3], rho);
+        for one in 0..3 {
+            let own = |p: i32| std::array::from_fn(|k| if k == one { p } else { 0 });
+            is(own(1), 0.5 * rho * a[one]);
+            for other in (0..3).filter(|other| *other != one) {
+                let both = |p: i32, q: i32| {
+                    let mut powers = own(p);
+                    powers[other] = q;
+                    powers
+                };
+                // The force is a part of the stress before.
+                let force = 0.5 * rho * (u[one] * a[other] + u[other] * a[one]);
+                let before = second_moment(&h, one, other) - rho * u[one] * u[other] + force;
+                is(both(1, 1), (1.0 - 1.0 / tau) * before);
+                is(both(2, 1), rho * a[other] / 6.0);
+                is(both(2, 2), rho / 9.0);
+            }
+            let normal = second_moment(&h, one, one) + 1.0 / 3.0 - rho * u[one] * u[one];
+            let excess = normal - rho / 3.0 + rho * u[one] * a[one];
+            is(own(2), rho / 3.0 + (1.0 - 1.0 / tau) * excess);
+        }
+    }
+}
+
+#[test]
+fn central_moments_relax_with_the_closures_time() {
+    let h = some_state();
+    for a in [[0.0; 3], [1e-3, -2e-3, 5e-4]] {
+        let forced = a != [0.0; 3];
+        let eddies = Relaxation::central(0.500004, a).with_smagorinsky(0.3);
+        let plain = Relaxation::central(iterated(&h, 0.500004, 0.3, a), a);
+        let (eddies, plain) = (collided(&h, &eddies, forced), collided(&h, &plain, forced));
+        assert!(eddies.iter().zip(&plain).all(|(a, b)| (a - b).abs() < 1e-15));
     }
 }
