@@ -265,9 +265,6 @@ pub struct Equilibrium<V, S = ()> {
     rho: V,
     /// `drho - 3/2 rho u.u`.
     rest: V,
-    /// Share of a diagonal direction in what the trace of the stress relaxes otherwise; the direction at
-    /// rest has -12 times as much.
-    excess: V,
     /// The relaxed stress, as far as the operator needs it.
     stress: S,
 }
@@ -394,27 +391,40 @@ pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool
     } else {
         k.rates
     };
-    // Pi_aa, in equilibrium drho + rho u.u
-    let mut trace = k
-        .two_thirds
-        .mul_add(rest, k.five_thirds.mul_from(drho, normal[0] + (normal[1] + normal[2])));
-    if FORCED {
-        // u.F
-        let pulled = v[2].mul_add(k.pull[2], v[1].mul_add(k.pull[1], v[0] * k.pull[0]));
-        trace = (k.four_ninths * rho).mul_add(pulled, trace);
+    let mut excess = drho;
+    if O::HAS_BULK {
+        let trace = trace::<V, FORCED>((drho, rho, rest), normal, &v, k);
+        let tau = rates.twice_tau;
+        let share = if O::IS_LOCAL { k.bulk[1].mul_from(tau, k.bulk[0]) } else { k.bulk[0] };
+        excess = share * trace;
     }
-    let share =
-        if O::IS_LOCAL { k.bulk[1].mul_from(rates.twice_tau, k.bulk[0]) } else { k.bulk[0] };
-    let excess = share * trace;
     if O::IS_CENTRAL {
         stress = relaxed::<V, O>(stress, excess, &rates, k);
     }
     let (normal, shear) = stress;
-    let stress = O::keep(RelaxedStress { drho, normal, shear });
-    Moments { drho, j, v2, target: Equilibrium { v, rho, rest, excess, stress }, rates }
+    let stress = O::keep(RelaxedStress { drho, normal, shear, excess });
+    Moments { drho, j, v2, target: Equilibrium { v, rho, rest, stress }, rates }
 }
 
-/// A stress after a step, see [`CollisionOperator::IS_CENTRAL`]; `excess` is that of [`Equilibrium`].
+/// `Pi_aa`, in equilibrium `drho + rho u.u`, from `sum_i c_ia c_ia h_i`; see [`Equilibrium`].
+#[inline(always)]
+fn trace<V: LatticeVector, const FORCED: bool>(
+    (drho, rho, rest): (V, V, V),
+    normal: [V; 3],
+    v: &[V; 3],
+    k: &Constants<V>,
+) -> V {
+    let sum = normal[0] + (normal[1] + normal[2]);
+    let trace = k.two_thirds.mul_add(rest, k.five_thirds.mul_from(drho, sum));
+    if !FORCED {
+        return trace;
+    }
+    // u.F
+    let pulled = v[2].mul_add(k.pull[2], v[1].mul_add(k.pull[1], v[0] * k.pull[0]));
+    (k.four_ninths * rho).mul_add(pulled, trace)
+}
+
+/// A stress after a step, see [`CollisionOperator::IS_CENTRAL`]; `excess` is that of [`RelaxedStress`].
 #[inline(always)]
 fn relaxed<V: LatticeVector, O: CollisionOperator>(
     (normal, shear): ([V; 3], [V; 3]),

@@ -8,7 +8,7 @@
 use crate::lattice::aa_gather::{self, PIECES_AHEAD, Scratch};
 use crate::lattice::aa_pattern::{AaPattern, Parity};
 use crate::lattice::collision::operators::{
-    CentralMoments, CollisionOperator, SingleTime, Smagorinsky, TwoTimes,
+    CentralMoments, CollisionOperator, SingleTime, Smagorinsky, TwoTimes, WithBulk,
 };
 use crate::lattice::collision::{Constants, Relaxation};
 use crate::lattice::contiguous_lines::{self, LineRun};
@@ -183,6 +183,14 @@ macro_rules! kernels {
             (false, true, _) if r.central => run::<CentralMoments<true>, false>,
             (true, false, _) if r.central => run::<CentralMoments<false>, true>,
             (true, true, _) if r.central => run::<CentralMoments<true>, true>,
+            (false, false, _) if r.bulk.is_some() => run::<WithBulk<TwoTimes>, false>,
+            (true, false, _) if r.bulk.is_some() => run::<WithBulk<TwoTimes>, true>,
+            (false, true, false) if r.bulk.is_some() => {
+                run::<WithBulk<Smagorinsky<false>>, false>
+            }
+            (false, true, true) if r.bulk.is_some() => run::<WithBulk<Smagorinsky<true>>, false>,
+            (true, true, false) if r.bulk.is_some() => run::<WithBulk<Smagorinsky<false>>, true>,
+            (true, true, true) if r.bulk.is_some() => run::<WithBulk<Smagorinsky<true>>, true>,
             (false, false, false) => run::<TwoTimes, false>,
             (false, false, true) => run::<SingleTime, false>,
             (false, true, false) => run::<Smagorinsky<false>, false>,

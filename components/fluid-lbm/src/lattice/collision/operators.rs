@@ -15,6 +15,8 @@ pub trait CollisionOperator {
     const IS_SINGLE: bool;
     /// True if populations follow from density, velocity and the relaxed stress alone.
     const IS_CENTRAL: bool = false;
+    /// True if the trace of the stress has a rate of its own.
+    const HAS_BULK: bool = false;
     /// What relaxation needs of the stress.
     type Stress<V: LatticeVector>: Copy;
 
@@ -39,6 +41,9 @@ pub struct RelaxedStress<V> {
     pub normal: [V; 3],
     /// Beside it: xy, xz, yz.
     pub shear: [V; 3],
+    /// Share of a diagonal direction in what the trace relaxes otherwise; the direction at rest has -12 times
+    /// as much.
+    pub excess: V,
 }
 
 /// Of operators whose populations do not follow from the stress alone.
@@ -51,7 +56,7 @@ macro_rules! needs_no_stress {
 
         #[inline(always)]
         fn kept<V: LatticeVector>((): (), any: V) -> RelaxedStress<V> {
-            RelaxedStress { drho: any, normal: [any; 3], shear: [any; 3] }
+            RelaxedStress { drho: any, normal: [any; 3], shear: [any; 3], excess: any }
         }
     };
 }
@@ -105,6 +110,31 @@ impl<const SINGLE: bool> CollisionOperator for Smagorinsky<SINGLE> {
     }
 }
 
+/// Another operator, with a rate of its own for the trace of the stress.
+pub struct WithBulk<O>(std::marker::PhantomData<O>);
+
+impl<O: CollisionOperator> CollisionOperator for WithBulk<O> {
+    const IS_LOCAL: bool = O::IS_LOCAL;
+    const IS_SINGLE: bool = O::IS_SINGLE;
+    const HAS_BULK: bool = true;
+    type Stress<V: LatticeVector> = V;
+
+    #[inline(always)]
+    fn keep<V: LatticeVector>(stress: RelaxedStress<V>) -> V {
+        stress.excess
+    }
+
+    #[inline(always)]
+    fn kept<V: LatticeVector>(excess: V, any: V) -> RelaxedStress<V> {
+        RelaxedStress { drho: any, normal: [any; 3], shear: [any; 3], excess }
+    }
+
+    #[inline(always)]
+    fn rates<V: LatticeVector>(stress2: V, per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
+        O::rates(stress2, per_rho, k)
+    }
+}
+
 /// Central moments (Geier, Greiner & Korvink 2006; on D3Q19 De Rosis & Coreixas 2020): moments about the
 /// velocity of the fluid. The second ones relax, by the viscosity and by that of the bulk; those of third
 /// and fourth order go to their equilibrium in each step. With `EDDIES` the viscosity has a share by
@@ -115,6 +145,7 @@ impl<const EDDIES: bool> CollisionOperator for CentralMoments<EDDIES> {
     const IS_LOCAL: bool = EDDIES;
     const IS_SINGLE: bool = true;
     const IS_CENTRAL: bool = true;
+    const HAS_BULK: bool = true;
     type Stress<V: LatticeVector> = RelaxedStress<V>;
 
     #[inline(always)]

@@ -140,7 +140,7 @@ unsafe fn relax_alike<
     target: &Equilibrium<V, O::Stress<V>>,
     k: &Constants<V>,
 ) {
-    let &Equilibrium { v, rho, rest, excess, .. } = target;
+    let &Equilibrium { v, rho, rest, stress } = target;
     let rho_va = pull::<V, _, FORCED>(target, k);
     // What remains of a population and of its opposite.
     macro_rules! mixed {
@@ -154,8 +154,11 @@ unsafe fn relax_alike<
         (g, balance) = (k.w0.mul_from(rho_va, g), k.w.mul_from(rho_va, balance));
     }
     let mut balance = both!(balance);
-    balance[1] = balance[1] + excess;
-    g = k.twelve.mul_from(excess, g);
+    if O::HAS_BULK {
+        let excess = O::kept(stress, rho).excess;
+        balance[1] = balance[1] + excess;
+        g = k.twelve.mul_from(excess, g);
+    }
     let flow = both!(k.twice[0] * rho);
     let flow_odd = if O::IS_SINGLE { flow } else { both!(k.twice[1] * rho) };
     let h = at!(vector, 0);
@@ -199,14 +202,18 @@ unsafe fn relax_each<
     rates: &RelaxationRates<V>,
     k: &Constants<V>,
 ) {
-    let &Equilibrium { v, rho, rest, excess, .. } = target;
+    let &Equilibrium { v, rho, rest, stress } = target;
     let rho_va = pull::<V, _, FORCED>(target, k);
     let (mut balance, flow) = (both!(k.w * rest), both!(k.two_w * rho));
     let pull = both!(k.w * rho_va);
     let (half_even, half_odd) = (k.half * rates.even, k.half * rates.odd);
     let h = at!(vector, 0);
-    let off = k.twelve.mul_sub(balance[1] - excess, h);
-    balance[1] = balance[1] + excess;
+    let mut off = k.twelve.mul_sub(balance[1], h);
+    if O::HAS_BULK {
+        let excess = O::kept(stress, rho).excess;
+        off = k.twelve.mul_from(excess, off);
+        balance[1] = balance[1] + excess;
+    }
     put!(
         vector,
         0,

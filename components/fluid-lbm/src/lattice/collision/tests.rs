@@ -1,6 +1,6 @@
 //! One cell against the formulas.
 
-use super::operators::{CentralMoments, SingleTime, Smagorinsky, TwoTimes};
+use super::operators::{CentralMoments, SingleTime, Smagorinsky, TwoTimes, WithBulk};
 use super::*;
 use crate::lattice::d3q19::equilibrium;
 use tremie_team::simd::Portable;
@@ -18,6 +18,14 @@ fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
             relax::<One, O, FORCED, false>(&After(places, 0), 1, to, &k);
         }
     }
+    fn with_bulk<const FORCED: bool>(places: &[*mut f64; Q], r: &Relaxation) {
+        match (r.smagorinsky != 0.0, r.magic.is_none()) {
+            (false, false) => collide::<WithBulk<TwoTimes>, FORCED>(places, r),
+            (false, true) => collide::<WithBulk<SingleTime>, FORCED>(places, r),
+            (true, false) => collide::<WithBulk<Smagorinsky<false>>, FORCED>(places, r),
+            (true, true) => collide::<WithBulk<Smagorinsky<true>>, FORCED>(places, r),
+        }
+    }
     let mut g = *h;
     let first = g.as_mut_ptr();
     let places = std::array::from_fn(|i| first.wrapping_add(i));
@@ -26,6 +34,8 @@ fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
         (false, true, _) if r.central => collide::<CentralMoments<true>, false>(&places, r),
         (true, false, _) if r.central => collide::<CentralMoments<false>, true>(&places, r),
         (true, true, _) if r.central => collide::<CentralMoments<true>, true>(&places, r),
+        (false, _, _) if r.bulk.is_some() => with_bulk::<false>(&places, r),
+        (true, _, _) if r.bulk.is_some() => with_bulk::<true>(&places, r),
         (false, false, false) => collide::<TwoTimes, false>(&places, r),
         (false, false, true) => collide::<SingleTime, false>(&places, r),
         (false, true, false) => collide::<Smagorinsky<false>, false>(&places, r),
