@@ -22,6 +22,7 @@ pub struct Case {
     pub faces: [Face; 3],
     pub tau: f64,
     pub collision: Collision,
+    pub bulk: Option<f64>,
     pub precision: Precision,
     pub average_force: bool,
     pub acceleration: [f64; 3],
@@ -45,6 +46,7 @@ impl Case {
             faces,
             tau,
             collision: Collision::Trt,
+            bulk: None,
             precision: Precision::F64,
             average_force: false,
             acceleration: [0.0; 3],
@@ -91,6 +93,7 @@ impl Case {
         Parameters {
             time_step: Some(Time(1.0)),
             collision: self.collision,
+            bulk_relaxation_time: self.bulk,
             precision: self.precision,
             average_force: self.average_force,
             smagorinsky: self.smagorinsky,

@@ -11,13 +11,8 @@ const SPEED_OF_SOUND: f64 = 0.577_350_269_189_625_8;
 
 /// A tube along x between mirrors, of one cell across.
 fn tube(collision: Collision, (tau, bulk): (f64, Option<f64>), smagorinsky: f64) -> LbmFluid {
-    let case = Case {
-        collision,
-        smagorinsky,
-        ..Case::new([CELLS, 1, 1], [SYMMETRY, PERIODIC, PERIODIC], tau)
-    };
-    let parameters = Parameters { bulk_relaxation_time: bulk, ..case.parameters() };
-    LbmFluid::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap()
+    let case = Case::new([CELLS, 1, 1], [SYMMETRY, PERIODIC, PERIODIC], tau);
+    Case { collision, bulk, smagorinsky, ..case }.fluid()
 }
 
 /// Amplitude of the standing wave: of its pressure and its velocity together.
@@ -77,9 +72,7 @@ fn a_bulk_viscosity_in_units_is_that_of_the_relaxation_time() {
 fn shear_dies_as_it_did() {
     let rate = |bulk: Option<f64>| {
         let case = Case::new([CELLS, 1, 1], [PERIODIC; 3], 0.6);
-        let parameters = Parameters { bulk_relaxation_time: bulk, ..case.parameters() };
-        let mut fluid =
-            LbmFluid::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap();
+        let mut fluid = Case { bulk, ..case }.fluid();
         fluid.set_state(|x| ([0.0, 1e-4 * (2.0 * K * x[0]).sin(), 0.0], 0.0));
         let amplitude = |fluid: &LbmFluid| -> f64 {
             let wave = |cell| fluid.velocity_at(cell)[1] * (2.0 * K * fluid.centre(cell)[0]).sin();
