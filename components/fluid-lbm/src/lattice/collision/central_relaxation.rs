@@ -39,7 +39,6 @@ pub(super) unsafe fn relax_central<
     V: LatticeVector,
     P: Populations<V>,
     O: CollisionOperator,
-    const FORCED: bool,
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
@@ -47,7 +46,7 @@ pub(super) unsafe fn relax_central<
     k: &Constants<V>,
 ) {
     let stress = O::kept(target.stress, target.rho);
-    let moved = Moved::new::<FORCED>(target, &stress, k);
+    let moved = Moved::new(target, &stress, k);
     let [xy, xz, yz] =
         [(0, 1, 0), (0, 2, 1), (1, 2, 2)].map(|(a, b, ab)| moved.plane(a, b, stress.shear[ab], k));
     macro_rules! put {
@@ -105,7 +104,7 @@ struct Moved<V> {
 
 impl<V: LatticeVector> Moved<V> {
     #[inline(always)]
-    fn new<const FORCED: bool>(
+    fn new(
         target: &Equilibrium<V, impl Copy>,
         stress: &RelaxedStress<V>,
         k: &Constants<V>,
@@ -113,7 +112,7 @@ impl<V: LatticeVector> Moved<V> {
         let rho = target.rho;
         let u = target.v.map(|v| k.two_thirds * v);
         let two_thirds_rho = k.two_thirds * rho;
-        let pull = if FORCED { k.lead.map(|lead| two_thirds_rho * lead) } else { [rho - rho; 3] };
+        let pull = k.lead.map(|lead| two_thirds_rho * lead);
         let momentum = [0, 1, 2].map(|a| rho.mul_add(u[a], pull[a]));
         let normal = stress.normal.map(|normal| k.third.mul_add(stress.drho, normal));
         let whole = normal.map(|normal| normal + k.third);

@@ -100,7 +100,7 @@ pub unsafe fn relax<
     // SAFETY: by contract.
     unsafe {
         if O::IS_CENTRAL {
-            relax_central::<V, _, O, FORCED, WHOLE>(&vector, target, k);
+            relax_central::<V, _, O, WHOLE>(&vector, target, k);
         } else if O::IS_LOCAL {
             relax_each::<V, _, O, FORCED, WHOLE>(&vector, target, rates, k);
         } else {
