@@ -123,6 +123,20 @@ fn pull<V: LatticeVector, S, const FORCED: bool>(
     rho * z.mul_add(v[2], y.mul_add(v[1], x * v[0]))
 }
 
+/// Gives the direction at rest and the diagonal ones their shares in what the trace relaxes otherwise.
+#[inline(always)]
+fn relax_trace<V: LatticeVector, O: CollisionOperator>(
+    excess: V,
+    rest: &mut V,
+    balance: &mut [V; 2],
+    k: &Constants<V>,
+) {
+    if O::HAS_BULK {
+        *rest = k.twelve.mul_from(excess, *rest);
+        balance[1] = balance[1] + excess;
+    }
+}
+
 /// Relaxation with the same times in all cells. With `k+- = (1/tau+ +- 1/tau-)/2` a pair becomes
 ///
 /// ```text
@@ -154,11 +168,7 @@ unsafe fn relax_alike<
         (g, balance) = (k.w0.mul_from(rho_va, g), k.w.mul_from(rho_va, balance));
     }
     let mut balance = both!(balance);
-    if O::HAS_BULK {
-        let excess = O::kept(stress, rho).excess;
-        balance[1] = balance[1] + excess;
-        g = k.twelve.mul_from(excess, g);
-    }
+    relax_trace::<V, O>(O::kept(stress, rho).excess, &mut g, &mut balance, k);
     let flow = both!(k.twice[0] * rho);
     let flow_odd = if O::IS_SINGLE { flow } else { both!(k.twice[1] * rho) };
     let h = at!(vector, 0);
@@ -209,11 +219,7 @@ unsafe fn relax_each<
     let (half_even, half_odd) = (k.half * rates.even, k.half * rates.odd);
     let h = at!(vector, 0);
     let mut off = k.twelve.mul_sub(balance[1], h);
-    if O::HAS_BULK {
-        let excess = O::kept(stress, rho).excess;
-        off = k.twelve.mul_from(excess, off);
-        balance[1] = balance[1] + excess;
-    }
+    relax_trace::<V, O>(O::kept(stress, rho).excess, &mut off, &mut balance, k);
     put!(
         vector,
         0,
