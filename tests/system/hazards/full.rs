@@ -124,8 +124,10 @@ impl FullDisk {
     }
 }
 
-/// Runs on disks of `count` sizes between nothing and enough.
-fn on_small_disks(scene: &Disturbable, count: u64) {
+/// Runs on disks of `count` sizes between nothing and enough; returns how many went on when there was room
+/// again. Where nearly all of the room is for checkpoints, runs do without these and are whole. `None` where
+/// no such disk can be mounted.
+fn on_small_disks(scene: &Disturbable, count: u64) -> Option<u64> {
     let whole = Whole::of(scene);
     let most = whole.bytes();
     let mut draw = Random::of_case(super::SEED, most);
@@ -134,23 +136,25 @@ fn on_small_disks(scene: &Disturbable, count: u64) {
         let part = most * (2 * place + 1) / (2 * count);
         // In whole pages, of which a file system counts.
         let bytes = (part + draw.between(0, most / count / 2)) / 4096 * 4096 + 8192;
-        let Some(disk) = on_a_small_disk(&whole, bytes) else { return };
+        let disk = on_a_small_disk(&whole, bytes)?;
         let what = disk.check(&whole, bytes);
         println!("{}: {bytes} of {most} bytes: {what}", scene.name);
         went_on += u64::from(what == "went on to the same bits");
     }
-    assert!(went_on > 0, "no disk was full after a checkpoint");
+    Some(went_on)
 }
 
 #[test]
 fn runs_go_on_when_a_full_disk_has_room_again() {
-    on_small_disks(&SCENES[0], 4);
+    let went_on = on_small_disks(&SCENES[0], 4);
+    assert_ne!(went_on, Some(0), "no disk was full after a checkpoint");
 }
 
 #[test]
 #[ignore = "minutes; CONTRIBUTING.md has the command"]
 fn runs_of_all_scenes_go_on_when_a_full_disk_has_room_again() {
-    SCENES.iter().for_each(|scene| on_small_disks(scene, 12));
+    let went_on: Option<u64> = SCENES.iter().map(|scene| on_small_disks(scene, 12)).sum();
+    assert_ne!(went_on, Some(0), "no disk was full after a checkpoint");
 }
 
 #[test]
