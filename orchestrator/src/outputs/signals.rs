@@ -3,7 +3,7 @@
 use super::folder::OutputError;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
-use std::io::{self, Seek, SeekFrom};
+use std::io::{self, BufWriter, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use tremie_messages::start::{Clock, Signal};
 use tremie_sdk::check_length;
@@ -41,10 +41,22 @@ pub struct SignalRow {
     pub values: Vec<f64>,
 }
 
+/// Bytes of rows that csv collects; less than what the writer behind it collects.
+const OF_ROWS: usize = 1 << 10;
+/// Bytes that the writer behind it collects.
+const OF_FILE: usize = 8 << 10;
+
+/// Writes rows into a file. After a failure csv would write all that it had collected once more; the writer
+/// between knows how much of it the disk took. So a checkpoint that finds no room spoils no row.
+fn writer(file: File) -> csv::Writer<BufWriter<File>> {
+    let file = BufWriter::with_capacity(OF_FILE, file);
+    csv::WriterBuilder::new().buffer_capacity(OF_ROWS).from_writer(file)
+}
+
 /// `signals.csv`: window, time and all signals, a row every so many windows and the last one.
 #[derive(Debug)]
 pub struct SignalTable {
-    table: csv::Writer<File>,
+    table: csv::Writer<BufWriter<File>>,
     path: PathBuf,
     clock: Clock,
     every: u64,
@@ -67,7 +79,7 @@ impl SignalTable {
     ) -> Result<Self, OutputError> {
         // New: on a file system without locks this keeps one run out of the other's table.
         let file = File::create_new(path).map_err(OutputError::at(path))?;
-        let mut table = csv::Writer::from_writer(file);
+        let mut table = writer(file);
         let head = |(name, signal): &(String, Signal)| format!("{name} [{}]", signal.unit);
         let fixed = ["window".to_string(), "time [s]".to_string()];
         let heads = fixed.into_iter().chain(signals.iter().map(head));
@@ -92,7 +104,7 @@ impl SignalTable {
         signals: &[(String, Signal)],
     ) -> Result<Self, OutputError> {
         let file = OpenOptions::new().read(true).write(true).open(path);
-        let table = csv::Writer::from_writer(file.map_err(OutputError::at(path))?);
+        let table = writer(file.map_err(OutputError::at(path))?);
         let statistics = signals.iter().map(|(_, signal)| Statistics::none(signal)).collect();
         let names = signals.iter().map(|(name, _)| name.clone()).collect();
         let path = path.to_path_buf();
@@ -109,8 +121,8 @@ impl SignalTable {
         let mut length = 0;
         if !state.restores() {
             self.table.flush().map_err(failed)?;
-            self.table.get_ref().sync_data().map_err(failed)?;
-            length = self.table.get_ref().metadata().map_err(failed)?.len();
+            self.table.get_ref().get_ref().sync_data().map_err(failed)?;
+            length = self.table.get_ref().get_ref().metadata().map_err(failed)?.len();
         }
         state.value("length", &mut length)?;
         state.value("held", &mut self.held)?;
@@ -121,7 +133,7 @@ impl SignalTable {
             [*min, *min_at, *max, *max_at, *last] = values;
         }
         if state.restores() {
-            let mut file = self.table.get_ref();
+            let mut file = self.table.get_ref().get_ref();
             let found = file.metadata().map_err(failed)?.len();
             check_length(&self.path, found, length)?;
             file.set_len(length).map_err(failed)?;
