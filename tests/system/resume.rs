@@ -8,6 +8,7 @@ use crate::running::{Running, until};
 use crate::tremie::{
     Ran, SMALL, description, left_nothing, run, run_text, script, small_with_fluid, tremie,
 };
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
@@ -235,13 +236,46 @@ fn a_run_that_goes_on_can_be_longer_but_not_another() {
         words.iter().for_each(|word| assert!(errors.contains(word), "{word}: {errors}"));
     };
     refused(&["--set", "scene.fluid.density=2 kg/m3"], &["scene.fluid.density cannot change"]);
-    refused(&["--set", "run.schedule=parallel"], &["run.schedule cannot change"]);
+    refused(&["--set", "run.seed=3"], &["run.seed cannot change"]);
     refused(&["--set", "outputs.fram=1 s"], &["did you mean \"frames\"?"]);
     refused(&["--at", "3"], &["no checkpoint of window 3", "8, 16"]);
     assert_eq!(ran.summary()["status"], "completed", "a refusal changes nothing");
     resumed(&ran.out, &["--at", "8", "--until", "60 ms"]);
     let longer = run(SHOCK, &[&QUIET[..], &["--until", "60 ms"]].concat()).succeeded();
     assert_eq!(ran.signals_text(), longer.signals_text());
+}
+
+/// A run may go on with the other order of work, while grains come and go: to the same bits in one process,
+/// and as a planned change. It stays by the run that had this order from the start.
+#[test]
+fn a_run_goes_on_with_another_schedule() {
+    let home = tempfile::tempdir().unwrap();
+    for (first, then) in [("serial", "parallel"), ("parallel", "serial")] {
+        let whole = run_text(STREAM, &[&QUIET[..], &["--schedule", then]].concat()).succeeded();
+        let every = every(9);
+        let options = [&QUIET[..], &["--schedule", first, "--set", &every]].concat();
+        let change = format!("run.schedule={then}");
+        // Two windows in each of which grains come or go.
+        for window in [27, 36] {
+            let at = window.to_string();
+            let ran = run_text(STREAM, &options).succeeded();
+            resumed(&ran.out, &["--at", &at, "--set", &change]);
+            let table = ran.signals_text();
+            resumed(&ran.out, &["--at", &at, "--set", &change, "--in-process"]);
+            assert_eq!(ran.signals_text(), table);
+            let planned = home.path().join("planned.jsonl");
+            let line = format!(r#"{{"window":{at},"set":[["run.schedule","{then}"]]}}"#);
+            std::fs::write(&planned, line).unwrap();
+            let planned = ["--changes", planned.to_str().unwrap()];
+            let changed = run_text(STREAM, &[&options[..], &planned].concat()).succeeded();
+            assert_eq!(changed.signals_text(), table);
+            let (mixed, pure) = (ran.signals(), whole.signals());
+            let name = "fluid.impulse_delivered_z";
+            let last = |of: &BTreeMap<String, Vec<f64>>| *of[name].last().unwrap();
+            let (mixed, pure) = (last(&mixed), last(&pure));
+            assert!((mixed / pure - 1.0).abs() < 0.1, "{first} then {then}: {mixed} {pure}");
+        }
+    }
 }
 
 #[test]

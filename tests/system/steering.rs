@@ -157,7 +157,7 @@ fn what_cannot_be_is_refused_and_the_run_goes_on() {
     let mut run = Steered::paused_at(2, &[]);
     for (change, why) in [
         ("scene.domain.size[0]=20 mm", "scene.domain.size[0] cannot change from a checkpoint on"),
-        ("run.schedule=parallel", "run.schedule cannot change from a checkpoint on"),
+        ("run.seed=3", "run.seed cannot change from a checkpoint on"),
         ("scene.gravity[2]=fast", "gravity"),
         ("run.untill=1 s", "until"),
     ] {

@@ -12,6 +12,7 @@ use crate::records::Records;
 use crate::windows::Stream;
 use mcap::read::ChunkReader;
 use mcap::records::Record;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs::File;
@@ -120,9 +121,13 @@ impl Beginning {
         Ok(new)
     }
 
-    /// Checks that a file is of this run. How long it is and what it sends to observers may differ.
+    /// Checks that a file is of this run. How long it is, what it sends to observers, and what users may
+    /// change from a window on may differ.
     fn check(&self, found: &BTreeMap<String, String>) -> Result<(), StateError> {
-        let differs = |key: &&str| found.get(*key) != self.run.get(*key);
+        let differs = |key: &&str| match (*key, found.get(*key), self.run.get(*key)) {
+            ("scene", Some(found), Some(own)) => lasting_scene(found) != lasting_scene(own),
+            (_, found, own) => found != own,
+        };
         let Some(key) = ["format", "clock", "scene"].into_iter().find(differs) else {
             return Ok(());
         };
@@ -143,4 +148,26 @@ fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".part");
     path.with_file_name(name)
+}
+
+/// What stays of a scene for the whole run: not what drives it, nor friction. Where the text is no scene, the
+/// text.
+fn lasting_scene(text: &str) -> Value {
+    let Ok(mut scene) = serde_json::from_str::<Value>(text) else { return text.into() };
+    let mut remove = |table: &str, keys: &[&str]| {
+        let entries = match scene.pointer_mut(table) {
+            Some(Value::Array(entries)) => &mut entries[..],
+            Some(table) => std::slice::from_mut(table),
+            None => return,
+        };
+        for table in entries.iter_mut().filter_map(Value::as_object_mut) {
+            table.retain(|key, _| !keys.contains(&key.as_str()));
+        }
+    };
+    remove("", &["gravity", "contacts"]);
+    remove("/fluid", &["viscosity", "acceleration"]);
+    remove("/domain", &["faces"]);
+    remove("/parts", &["motion"]);
+    remove("/bodies", &["motion"]);
+    scene
 }

@@ -168,12 +168,21 @@ fn a_file_that_is_not_as_it_was_is_named_and_left_alone() {
     refused(&damaged);
     let other = |output: &Path| {
         let mut setup = setup(output);
-        setup.hello.scene.gravity = [0.0, 0.0, -9.81];
+        setup.hello.scene.domain.max[0] *= 2.0;
         setup
     };
     std::fs::write(&path, &bytes).unwrap();
     let why = InterruptedRun { setup: &other, ..run }.resume(&folder, 70).map(|_| ()).unwrap_err();
     assert!(why.to_string().contains("found the scene of another run"), "{why}");
+    // Users may change what drives a run.
+    let changed = |output: &Path| {
+        let mut setup = setup(output);
+        setup.hello.scene.gravity = [0.0, 0.0, -9.81];
+        setup.hello.scene.domain.faces[2][1] = Face::Symmetry;
+        setup
+    };
+    assert!(InterruptedRun { setup: &changed, ..run }.resume(&folder, 70).is_ok());
+    std::fs::write(&path, &bytes).unwrap();
     std::fs::remove_file(&path).unwrap();
     let run = self::run(home.path());
     let why = run.resume(&folder, 70).map(|_| ()).unwrap_err().to_string();

@@ -15,7 +15,7 @@ use crate::substep_coupling::Sizes;
 use std::marker::PhantomData;
 use tremie_channels::{ChannelMedium, Loan};
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
-use tremie_messages::schedule::{Content, Op};
+use tremie_messages::schedule::Content;
 use tremie_messages::start::{Description, FaultKind, VolumeGrid};
 use tremie_messages::{
     BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, Role, Stamp, SurfaceVertex,
@@ -62,8 +62,6 @@ struct FluidPlayer<S: ChannelMedium, F: Fluid> {
     port: Option<OutPort<S, PortState>>,
     /// Faces whose velocities the grains are told.
     ports: Vec<PortState>,
-    /// A window's advance takes what was received in the window before.
-    advances_first: bool,
     /// The signals that are sampled, as they were when they were measured last.
     sampled: Vec<f64>,
 }
@@ -97,12 +95,6 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
             facets: sizes.room_for_loads(),
             port: None,
             ports: PortState::all(&setup.hello.scene),
-            advances_first: setup
-                .assigned()?
-                .script
-                .window
-                .first()
-                .is_some_and(|op| *op == Op::Advance),
             sampled: Vec::new(),
         })
     }
@@ -196,10 +188,9 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
         state.within("fluid", |state| self.fluid.exchange_state(state))?;
         state.list("ids", &mut self.ids)?;
         state.list("sampled", &mut self.sampled)?;
-        if self.advances_first {
-            self.bodies.exchange("bodies", state)?;
-            self.vertices.exchange("vertices", state)?;
-        }
+        // In any schedule: the run may go on with another, in which the fluid advances first.
+        self.bodies.exchange("bodies", state)?;
+        self.vertices.exchange("vertices", state)?;
         state.value("impulse", &mut self.impulse)?;
         self.load.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
         self.port.as_mut().map_or(Ok(()), |port| port.exchange(state))?;

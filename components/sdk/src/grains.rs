@@ -137,8 +137,7 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
         }
         let loads = self.loads.as_ref().map_or(&[][..], |message| message.values());
         self.impulse.add(loads, context.assignment.clock.window());
-        let (is_late, ids) = (self.is_late(), self.kinds.iter().map(|kind| kind.id));
-        let loads = if is_late { self.answers.fit(loads, ids) } else { loads };
+        let loads = self.answers.fit(loads, self.kinds.iter().map(|kind| kind.id));
         match &mut self.inside {
             Some(inside) => inside.window(context, &mut self.grains, loads)?,
             None => {
@@ -147,10 +146,7 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
                 done.map_err(|error| context.solver_failed(&error))?;
             }
         }
-        if is_late {
-            self.answers.note(self.kinds.iter().map(|kind| kind.id));
-        }
-        self.note_events();
+        self.note_events_and_answers();
         Ok(())
     }
 
@@ -184,6 +180,8 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
         state.value("kinds", &mut self.kinds)?;
         state.list("answered", &mut self.answers.ids)?;
         state.value("impulse", &mut self.impulse)?;
+        self.load.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
+        self.port.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
         self.events.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
         self.state.as_mut().map_or(Ok(()), |port| port.exchange(state))
     }
@@ -225,12 +223,7 @@ impl<S: ChannelMedium, G: Grains> GrainsPlayer<S, G> {
         let Some(port) = &self.load else { return Ok(()) };
         // Given back before the next is taken: the channel lends only a few at a time.
         self.loads = None;
-        let message = if self.is_late() {
-            port.take_checked(context, lag, self.answers.ids.iter().copied())
-        } else {
-            port.take_checked(context, lag, self.kinds.iter().map(|kind| kind.id))
-        };
-        self.loads = Some(message?);
+        self.loads = Some(port.take_checked(context, lag, self.answers.ids.iter().copied())?);
         Ok(())
     }
 
@@ -239,6 +232,17 @@ impl<S: ChannelMedium, G: Grains> GrainsPlayer<S, G> {
         let message = port.take_faces(context, lag, &self.ports)?;
         let told = self.grains.ports(message.values());
         told.map_err(|error| context.solver_failed(&error))
+    }
+
+    /// Notes who came and went in a window, and which bodies the fluid's loads of that window answer.
+    fn note_events_and_answers(&mut self) {
+        if self.is_late() {
+            self.answers.note(self.kinds.iter().map(|kind| kind.id));
+            self.note_events();
+        } else {
+            self.note_events();
+            self.answers.note(self.kinds.iter().map(|kind| kind.id));
+        }
     }
 
     fn note_events(&mut self) {

@@ -4,7 +4,7 @@
 use crate::context::{Context, Owed};
 use crate::finite::{Finite, OfBody};
 use crate::stop::Stop;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use tremie_channels::{
     ChannelError, ChannelMedium, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
 };
@@ -17,6 +17,9 @@ use tremie_state::{StateError, StateExchange};
 pub struct InPort<S: ChannelMedium, T: Message> {
     edge: Edge,
     receiver: Receiver<S, Stamp, T>,
+    /// Event lists by which the next message lags behind its window: in the first window after a change of
+    /// the schedule, still as many as before.
+    list_lag: Cell<u64>,
 }
 
 /// The sending end of an edge.
@@ -29,6 +32,8 @@ pub struct OutPort<S: ChannelMedium, T: Message> {
     /// The message of a checkpoint's window, where its receiver takes it in the next: it is sent again
     /// when the run goes on from there.
     under_way: Option<RefCell<Vec<T>>>,
+    /// Event lists by which that message lags behind its window.
+    list_lag: u64,
 }
 
 /// What was taken from an edge last, until the next is taken: in the sender's memory, or put back from a
@@ -70,6 +75,15 @@ impl<S: ChannelMedium, T: Message> Taken<S, T> {
     }
 }
 
+/// Keeps by how many lists the message of an edge lags that is under way, or puts it back.
+fn exchange_list_lag(
+    edge: &Edge,
+    state: &mut StateExchange<'_>,
+    lag: &mut u64,
+) -> Result<(), StateError> {
+    state.value(&format!("{}_list_lag", edge.content.name()), lag)
+}
+
 /// Keeps the values of a message as they lie in memory, or puts them back.
 fn exchange_values<T: Message>(
     name: &str,
@@ -106,7 +120,8 @@ pub fn edge_spec(edge: &Edge) -> ChannelSpec<'_> {
 impl<S: ChannelMedium, T: Message> InPort<S, T> {
     /// Opens the receiving end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
-        Ok(Self { receiver: context.attachment.receiver(edge_spec(edge))?, edge: edge.clone() })
+        let receiver = context.attachment.receiver(edge_spec(edge))?;
+        Ok(Self { receiver, edge: edge.clone(), list_lag: Cell::new(edge.events_lag) })
     }
 
     /// Opens the receiving end of the edge that carries `content`, if there is one.
@@ -116,9 +131,20 @@ impl<S: ChannelMedium, T: Message> InPort<S, T> {
 
     /// Waits for the message that the schedule foretells, and checks its stamp.
     pub fn take(&self, context: &mut Context<S>, lag: u64) -> Result<Received<S, Stamp, T>, Stop> {
-        let expected = context.expected(&self.edge, lag);
+        let mut expected = context.expected(&self.edge, lag);
+        let list_lag = self.list_lag.replace(self.edge.events_lag);
+        expected.events = expected.window.saturating_sub(list_lag);
         let message = self.next(context, expected, 0)?;
         self.check(context, message, expected, |found| *found == expected)
+    }
+
+    /// Keeps which list of bodies the message answers that is under way at the end of a checkpoint's window,
+    /// or puts it back: a run may go on with another schedule.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        exchange_list_lag(&self.edge, state, self.list_lag.get_mut())
     }
 
     /// Waits for a message inside the present window, whose place in the exchange is `turn`. Its
@@ -304,6 +330,7 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
             told: context.sent.borrow().channel(edge),
             edge: edge.clone(),
             under_way: is_under_way.then(RefCell::default),
+            list_lag: edge.events_lag,
         })
     }
 
@@ -370,13 +397,14 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
         let mut values = Some(kept.take());
         exchange_values(self.edge.content.name(), state, &mut values)?;
         kept.replace(values.unwrap_or_default());
-        Ok(())
+        exchange_list_lag(&self.edge, state, &mut self.list_lag)
     }
 
     /// Sends the message again that was under way at the end of the checkpoint's window.
     pub fn send_again(&self, context: &Context<S>) -> Result<(), Stop> {
         let Some(kept) = &self.under_way else { return Ok(()) };
-        let sent = self.sender.send_copy(self.stamp(context), &kept.borrow());
+        let stamp = context.stamp(context.window.saturating_sub(self.list_lag));
+        let sent = self.sender.send_copy(stamp, &kept.borrow());
         let rung = sent.and_then(|()| self.ringer.ring());
         rung.map_err(|error| self.broken(error, context.window))
     }

@@ -129,6 +129,7 @@ impl<S: ChannelMedium, R: Rubber> RoleAdapter<S> for RubberPlayer<S, R> {
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         state.within("rubber", |state| self.rubber.exchange_state(state))?;
+        self.load.as_mut().map_or(Ok(()), |port| port.exchange(state))?;
         self.surface.as_mut().map_or(Ok(()), |port| port.exchange(state))
     }
 

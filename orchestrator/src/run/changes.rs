@@ -1,7 +1,8 @@
 //! Changes of the manifest from a window on: which are sound, and the changed manifest.
 //!
 //! A run takes a change where it goes on from a checkpoint. What a state holds cannot change: bodies,
-//! cells, steps. What holds from then on can: how long, outputs, what drives the physics, friction.
+//! cells, steps. What holds from then on can: how long, outputs, the order of work, what drives the physics,
+//! friction.
 
 use crate::manifest::{self, ComponentSpec, Manifest, ManifestErrors};
 use crate::run::origin::Takes;
@@ -14,6 +15,7 @@ const MAY_CHANGE: &[&str] = &[
     "run.deadline",
     "run.start_within",
     "run.checkpoints",
+    "run.schedule",
     "outputs",
     "stop_when",
     "watch",
@@ -198,7 +200,6 @@ mod tests {
             "scene.domain.x.lower.reservoir.volume",
             "scene.domain.size[0]",
             "components.fluid.program",
-            "run.schedule",
             "run.seed",
             "settings.fluid-lbm.cell",
         ] {

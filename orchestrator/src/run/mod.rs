@@ -61,7 +61,7 @@ pub struct Execution {
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The input is wrong.
-    #[error("{} problems in the manifest", .0.len())]
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Input(Vec<Problem>),
     /// An output could not be written.
     #[error(transparent)]
