@@ -1,6 +1,5 @@
 //! Columns of a profile's tables.
 
-use std::fs::File;
 use std::io;
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::GrainProfile;
@@ -35,33 +34,31 @@ pub fn axes(profile: &GrainProfile) -> impl Iterator<Item = &'static str> + '_ {
     profile.axes.iter().map(|along| AXES[along.axis])
 }
 
-/// Writes the first row.
+/// The first row.
 ///
 /// # Errors
-/// If the disk refuses.
-pub fn write_head(file: &mut csv::Writer<File>, profile: &GrainProfile) -> io::Result<()> {
+/// None that is known: the row is made in memory.
+pub fn head(profile: &GrainProfile) -> io::Result<Vec<u8>> {
+    let mut row = csv::Writer::from_writer(Vec::new());
     let places = axes(profile).map(|axis| (axis, "m"));
     let all = OF_TABLE.into_iter().chain(places).chain(ProfileBin::COLUMNS);
-    file.write_record(all.map(|(name, unit)| format!("{name} [{unit}]")))?;
-    file.flush()
+    row.write_record(all.map(|(name, unit)| format!("{name} [{unit}]")))?;
+    row.into_inner().map_err(|error| error.into_error())
 }
 
-/// Writes the rows of a table.
+/// The rows of a table.
 ///
 /// # Errors
-/// If the disk refuses.
-pub fn write_rows(
-    file: &mut csv::Writer<File>,
-    profile: &GrainProfile,
-    table: &ProfileTable,
-) -> io::Result<()> {
+/// None that is known: the rows are made in memory.
+pub fn rows(profile: &GrainProfile, table: &ProfileTable) -> io::Result<Vec<u8>> {
+    let mut rows = csv::Writer::from_writer(Vec::new());
     let [begin, end] = table.times;
     for (k, bin) in table.bins.iter().enumerate() {
         // Rust prints the shortest decimal that reads back as the same bits.
         let fixed = [begin.to_string(), end.to_string(), table.samples.to_string()];
         let places = profile.middles(k).map(|x| x.to_string());
         let values = bin.values().into_iter().map(|value| value.to_string());
-        file.write_record(fixed.into_iter().chain(places).chain(values))?;
+        rows.write_record(fixed.into_iter().chain(places).chain(values))?;
     }
-    file.flush()
+    rows.into_inner().map_err(|error| error.into_error())
 }

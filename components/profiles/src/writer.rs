@@ -1,11 +1,11 @@
 //! The observer.
 
 use crate::arrays;
-use crate::columns::{ProfileTable, write_head, write_rows};
+use crate::columns::{self, ProfileTable};
 use crate::parameters::Parameters;
 use std::error::Error;
 use std::fs::File;
-use std::io::{self, Seek, SeekFrom};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tremie_messages::frame::{ProfileBin, ProfileHeader};
 use tremie_messages::scene::GrainProfile;
@@ -31,7 +31,7 @@ pub struct ProfileWriter {
 struct ProfileFiles {
     profile: GrainProfile,
     path: PathBuf,
-    rows: csv::Writer<File>,
+    file: File,
     tables: Vec<ProfileTable>,
     /// Length of the file of rows after each table [bytes], and before the first.
     lengths: Vec<u64>,
@@ -44,21 +44,20 @@ fn failed(path: &Path, error: &(dyn Error + 'static)) -> ObserverError {
 impl ProfileFiles {
     fn open(folder: &Path, profile: &GrainProfile) -> Result<Self, ObserverError> {
         let path = folder.join(format!("{}.csv", profile.name));
-        let mut rows = csv::Writer::from_writer(own_file(&path)?);
-        let begun = write_head(&mut rows, profile);
-        begun.map_err(|error| failed(&path, &error))?;
-        let mut files =
-            Self { profile: profile.clone(), path, rows, tables: Vec::new(), lengths: Vec::new() };
-        files.note_length()?;
+        let file = own_file(&path)?;
+        let profile = profile.clone();
+        let head = columns::head(&profile);
+        let mut files = Self { profile, path, file, tables: Vec::new(), lengths: Vec::new() };
+        files.add(head)?;
         Ok(files)
     }
 
     /// The files of the run before, before its state is put back.
     fn reopen(folder: &Path, profile: &GrainProfile) -> Result<Self, ObserverError> {
         let path = folder.join(format!("{}.csv", profile.name));
-        let rows = csv::Writer::from_writer(kept_file(&path, 0)?);
+        let file = kept_file(&path, 0)?;
         let profile = profile.clone();
-        Ok(Self { profile, path, rows, tables: Vec::new(), lengths: Vec::new() })
+        Ok(Self { profile, path, file, tables: Vec::new(), lengths: Vec::new() })
     }
 
     /// The arrays are written from the tables when the run ends: these are kept, too.
@@ -100,7 +99,7 @@ impl ProfileFiles {
     /// Goes on after the first `length` bytes of the rows.
     fn go_on(&mut self, length: u64) -> Result<(), StateError> {
         let failed = |error| StateError::Io { path: self.path.clone(), error };
-        let mut file = self.rows.get_ref();
+        let mut file = &self.file;
         check_length(&self.path, file.metadata().map_err(failed)?.len(), length)?;
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
         // Arrays of a run that ended hold tables that come again.
@@ -115,17 +114,29 @@ impl ProfileFiles {
         Ok(())
     }
 
-    fn note_length(&mut self) -> Result<(), ObserverError> {
-        let metadata = self.rows.get_ref().metadata();
-        self.lengths.push(metadata.map_err(|error| failed(&self.path, &error))?.len());
+    /// Adds rows, all or none of them.
+    fn add(&mut self, rows: io::Result<Vec<u8>>) -> Result<(), ObserverError> {
+        let begin = self.lengths.last().copied().unwrap_or(0);
+        let added = rows.and_then(|rows| {
+            self.file.write_all(&rows)?;
+            Ok(begin + rows.len() as u64)
+        });
+        match added {
+            Ok(length) => self.lengths.push(length),
+            Err(error) => {
+                // A full disk may have taken half of a table.
+                let _ =
+                    self.file.set_len(begin).and_then(|()| self.file.seek(SeekFrom::Start(begin)));
+                return Err(failed(&self.path, &error));
+            }
+        }
         Ok(())
     }
 
     fn take(&mut self, table: ProfileTable) -> Result<(), ObserverError> {
-        let written = write_rows(&mut self.rows, &self.profile, &table);
-        written.map_err(|error| failed(&self.path, &error))?;
+        self.add(columns::rows(&self.profile, &table))?;
         self.tables.push(table);
-        self.note_length()
+        Ok(())
     }
 
     /// Takes out tables that end later than a window, and writes the arrays.
@@ -133,7 +144,7 @@ impl ProfileFiles {
         let kept = self.tables.partition_point(|table| table.window <= last_window);
         if kept < self.tables.len() {
             self.tables.truncate(kept);
-            let cut: io::Result<()> = self.rows.get_ref().set_len(self.lengths[kept]);
+            let cut: io::Result<()> = self.file.set_len(self.lengths[kept]);
             cut.map_err(|error| failed(&self.path, &error))?;
         }
         let path = self.path.with_extension("npz");
