@@ -104,6 +104,32 @@ fn a_replay_begins_at_a_checkpoint_where_there_is_one() {
     assert_differs(&ran, "grains", &friction, &["grains -> fluid, state, window "]);
 }
 
+/// Changes of a run in progress are made in its replay at the same windows, also after a checkpoint between
+/// them. A replay without one of them has other bits from its window on.
+#[test]
+fn changes_of_a_run_in_progress_are_replayed() {
+    let home = tempfile::tempdir().unwrap();
+    let changes = home.path().join("changes.jsonl");
+    let lines = [
+        r#"{"window":20,"set":[["scene.gravity[2]","-5 m/s2"]]}"#,
+        r#"{"window":60,"set":[["run.schedule","parallel"],["scene.contacts[0].friction","0.4"]]}"#,
+    ];
+    std::fs::write(&changes, lines.join("\n")).unwrap();
+    let every = ["--until", "0.1 s", "--set", "run.checkpoints={ windows = 50, keep = 99 }"];
+    let changed = ["--changes", changes.to_str().unwrap()];
+    let ran = run_text(SMALL, &[&MESSAGES[..], &every, &changed].concat()).succeeded();
+    let before = files(&ran.out);
+    assert_same(&ran, "fluid", &[]);
+    assert_same(&ran, "grains", &["--in-process"]);
+    assert_same(&ran, "grains", &["--at", "50"]);
+    assert_same(&ran, "fluid", &["--at", "60"]);
+    assert_eq!(files(&ran.out), before);
+
+    std::fs::write(ran.out.join("steering.jsonl"), lines[0]).unwrap();
+    let words = ["fluid -> grains, load, window 61: "];
+    assert_differs(&ran, "fluid", &[], &words);
+}
+
 #[test]
 fn rubber_and_grains_are_replayed_within_their_windows() {
     let valve = Valve::on_rough_spheres();
@@ -113,6 +139,15 @@ fn rubber_and_grains_are_replayed_within_their_windows() {
     let damping = ["--set", "scene.parts[0].motion.slider.mass=9.3 g"];
     let words = ["grains -> rubber, carrier, window ", "substep ", "surface 0, "];
     assert_differs(&ran, "grains", &damping, &words);
+
+    let home = tempfile::tempdir().unwrap();
+    let changes = home.path().join("changes.jsonl");
+    std::fs::write(&changes, r#"{"window":40,"set":[["scene.gravity[2]","-500 m/s2"]]}"#).unwrap();
+    let changes = ["--until", "0.4 ms", "--changes", changes.to_str().unwrap()];
+    let changed = valve.run(&[&MESSAGES[..], &changes].concat()).succeeded();
+    assert_ne!(changed.signals_text(), ran.signals_text());
+    assert_same(&changed, "rubber", &[]);
+    assert_same(&changed, "grains", &["--in-process"]);
 }
 
 #[test]

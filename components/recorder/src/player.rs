@@ -27,6 +27,8 @@ struct PlayerParameters {
     recording: PathBuf,
     /// Description of the component for which it stands.
     description: Description,
+    /// The last window that is compared, if not all are.
+    last_compared: Option<u64>,
 }
 
 /// A message with its window and stream.
@@ -41,6 +43,7 @@ struct Played {
     /// The first message of a window that is not kept yet.
     next: Option<Kept>,
     is_read: bool,
+    last_compared: u64,
 }
 
 impl Played {
@@ -77,7 +80,8 @@ impl RecordedMessages for Played {
     }
 
     fn open(setup: &Setup) -> Result<Self, Vec<Problem>> {
-        let path = setup.parameters::<PlayerParameters>()?.recording;
+        let PlayerParameters { recording: path, last_compared, .. } = setup.parameters()?;
+        let last_compared = last_compared.unwrap_or(u64::MAX);
         let stream = |edge: &Edge| {
             let channel = SentChannel { content: edge.content, to: edge.to.clone() };
             topic(Some(&Stream::of_channel(&edge.from, &channel)))
@@ -87,7 +91,11 @@ impl RecordedMessages for Played {
             vec![Problem::of_parameter("recording", format!("{}: {error}", path.display()))]
         })?;
         let items = recording.items_of(move |topic| topics.iter().any(|known| known == topic));
-        Ok(Self { path, items, kept: VecDeque::new(), next: None, is_read: false })
+        Ok(Self { path, items, kept: VecDeque::new(), next: None, is_read: false, last_compared })
+    }
+
+    fn last_compared(&self) -> u64 {
+        self.last_compared
     }
 
     fn messages(&mut self, window: u64, edge: &Edge) -> Result<Vec<RecordedMessage>, String> {

@@ -3,18 +3,21 @@
 //! The run is an ordinary one, of the same manifest: players stand for the other components, which describe
 //! themselves as those did, so that plan and schedule are the same. A player sends what was recorded, and
 //! ends the run where something else comes than came then.
+//!
+//! Users may change a run in progress. A replay makes their changes at the same windows: there it takes a
+//! checkpoint of its own, and goes on from that with the changed manifest, as the run did.
 
-use crate::manifest::{self, Manifest, ManifestErrors};
+use crate::manifest::{self, Checkpoints, Manifest, ManifestErrors};
 use crate::outputs::{
-    BEGUN, Ending, MANIFEST, NoCheckpoint, OutputError, RECORDING, RunFolder, STEERING,
-    WholeCheckpoint, read_changes,
+    BEGUN, ChangeRecord, Ending, MANIFEST, NoCheckpoint, OutputError, RECORDING, RunFolder,
+    STEERING, WholeCheckpoint, read_changes,
 };
 use crate::registry::{PLAYER, ReadError, Recording};
-use crate::run::{Execution, Origin, Prepared, RunCall, RunError, Takes, prepare};
+use crate::run::{Ended, Execution, Origin, Prepared, RunCall, RunError, Takes, prepare};
 use crate::terminal::Terminal;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use tremie_messages::Role;
 use tremie_messages::finding::short;
 use tremie_messages::start::{Description, Fault, FaultKind};
@@ -104,13 +107,10 @@ pub fn replay(
     interrupts: &AtomicUsize,
 ) -> Result<Replayed, ReplayError> {
     let from = order.at.map(|at| WholeCheckpoint::find(order.run, Some(at))).transpose()?;
-    let (mut manifest, until) = held_manifest(order, from.as_ref())?;
-    let mut recording = RecordedRun::open(order, &manifest)?;
-    recording.last = recording.last.min(until);
-    // Nobody watches, and the end is that of the recording.
-    manifest.spec.components.retain(|component| component.role != Role::Observer);
-    manifest.spec.stop_when.clear();
-    manifest.spec.run.checkpoints.keep = 0;
+    let begun = HeldManifests::read(order, from)?;
+    let first = begun.from.as_ref().map_or(0, |from| from.record.window);
+    let manifest = begun.at(first)?;
+    let recording = RecordedRun::open(order, &manifest)?;
     let programs = match order.programs {
         Some(folder) => folder.to_path_buf(),
         None => WholeCheckpoint::find(order.run, None)
@@ -121,60 +121,156 @@ pub fn replay(
     let folder = order.out.unwrap_or(home.path());
     let claimed = RunFolder::claim(folder);
     let mut out = claimed.map_err(|error: OutputError| run_error(error.into(), &manifest))?;
-    let execution = Execution { in_process: order.in_process, ..Execution::default() };
-    let failed = |error| run_error(error, &manifest);
-    let described = prepare(&manifest, &programs, out.path(), &execution, interrupts);
-    let descriptions = dismissed(described.map_err(failed)?);
-    let played = with_players(&manifest, order.component, &recording.path, &descriptions);
-    let prepared = prepare(&played, &programs, out.path(), &execution, interrupts);
-    let mut prepared = prepared.map_err(failed)?;
-    if let Err(why) = recording.fit(&mut prepared) {
-        prepared.dismiss();
-        return Err(ReplayError::Input(why));
+    let mut from = None;
+    loop {
+        let at = from.as_ref().map_or(first, |from: &WholeCheckpoint| from.record.window);
+        let leg = Leg {
+            order,
+            manifest: begun.at(at)?,
+            recording: &recording,
+            programs: &programs,
+            changes: begun.after(at, recording.last),
+            from: match (&from, &begun.from) {
+                (Some(checkpoint), _) => Some(Origin { checkpoint, takes: Takes::Outputs }),
+                (None, Some(checkpoint)) => Some(Origin { checkpoint, takes: Takes::States }),
+                (None, None) => None,
+            },
+        };
+        let due = leg.due();
+        let summary = leg.carry_out(&mut out, terminal, interrupts)?.close();
+        // Whatever became of the window after it, with the manifest of before.
+        let is_wanted = interrupts.load(Ordering::Relaxed) == 0;
+        let changed =
+            due.filter(|_| is_wanted).map(|at| WholeCheckpoint::find(out.path(), Some(at)));
+        let Some(Ok(changed)) = changed else {
+            let (last, windows, ending) = (recording.last, summary.windows, summary.ending);
+            return Ok(Replayed { from: first, last, windows, ending });
+        };
+        out = RunFolder::reclaim(out.path()).map_err(|error| run_error(error.into(), &manifest))?;
+        from = Some(changed);
     }
-    let executed = prepared.execute(RunCall {
-        manifest: &played,
-        out: &mut out,
-        execution: &execution,
-        terminal,
-        interrupts,
-        programs: &programs,
-        from: from.as_ref().map(|checkpoint| Origin { checkpoint, takes: Takes::States }),
-    });
-    let summary = executed.map_err(failed)?.close();
-    Ok(Replayed {
-        from: from.map_or(0, |from| from.record.window),
-        last: recording.last,
-        windows: summary.windows,
-        ending: summary.ending,
-    })
 }
 
-/// The manifest that held in the window after a checkpoint, or at the start, and the last window in which it
-/// did: users may change a run in progress.
-fn held_manifest(
-    order: &ReplayOrder<'_>,
-    from: Option<&WholeCheckpoint>,
-) -> Result<(Manifest, u64), ReplayError> {
-    let (record, begun) = (order.run.join(STEERING), order.run.join(BEGUN));
-    let changes = match record.exists() {
-        true => read_changes(&record).map_err(ReplayError::Input)?,
-        false => Vec::new(),
-    };
-    let window = from.map_or(0, |from| from.record.window);
-    let until = changes.iter().map(|change| change.window).find(|at| *at > window);
-    // The manifest in a checkpoint is that before a change which begins there.
-    let made_there = changes.iter().filter(|change| change.window == window);
-    let sets = made_there.flat_map(|change| &change.set).chain(order.sets);
-    let sets: Vec<_> = sets.cloned().collect();
-    let file = match from {
-        Some(from) => from.folder().join(MANIFEST),
-        None if begun.exists() => begun,
-        None => order.run.join(MANIFEST),
-    };
-    let manifest = manifest::load(&file, &sets);
-    let manifest = manifest.map_err(|errors| ReplayError::Manifest(errors.into()))?;
-    Ok((manifest, until.unwrap_or(u64::MAX)))
+/// The manifests of a run that its users changed while it was in progress.
+struct HeldManifests<'a> {
+    order: &'a ReplayOrder<'a>,
+    /// The checkpoint from which the replay begins.
+    from: Option<WholeCheckpoint>,
+    /// The manifest that held before the first of the changes.
+    file: PathBuf,
+    /// Changes from the begin on, in the order of their windows.
+    changes: Vec<ChangeRecord>,
+}
+
+impl<'a> HeldManifests<'a> {
+    fn read(
+        order: &'a ReplayOrder<'a>,
+        from: Option<WholeCheckpoint>,
+    ) -> Result<Self, ReplayError> {
+        let (record, begun) = (order.run.join(STEERING), order.run.join(BEGUN));
+        let mut changes = match record.exists() {
+            true => read_changes(&record).map_err(ReplayError::Input)?,
+            false => Vec::new(),
+        };
+        // The manifest in a checkpoint is that before a change which begins there.
+        let window = from.as_ref().map_or(0, |from| from.record.window);
+        changes.retain(|change| change.window >= window);
+        let file = match &from {
+            Some(from) => from.folder().join(MANIFEST),
+            None if begun.exists() => begun,
+            None => order.run.join(MANIFEST),
+        };
+        Ok(Self { order, from, file, changes })
+    }
+
+    /// The manifest that holds in the window after `window`; the user's values last.
+    fn at(&self, window: u64) -> Result<Manifest, ReplayError> {
+        let made = self.changes.iter().filter(|change| change.window <= window);
+        let sets: Vec<_> =
+            made.flat_map(|change| &change.set).chain(self.order.sets).cloned().collect();
+        let manifest = manifest::load(&self.file, &sets);
+        let mut manifest = manifest.map_err(|errors| ReplayError::Manifest(errors.into()))?;
+        let spec = &mut manifest.spec;
+        // Nobody watches, the end is that of the recording, and changes alone need checkpoints.
+        spec.components.retain(|component| component.role != Role::Observer);
+        spec.stop_when.clear();
+        spec.run.checkpoints = Checkpoints { every: None, windows: None, keep: 1 };
+        Ok(manifest)
+    }
+
+    /// Changes after `window` and before the `last`.
+    fn after(&self, window: u64, last: u64) -> Vec<ChangeRecord> {
+        let is_due = |change: &&ChangeRecord| change.window > window && change.window < last;
+        self.changes.iter().filter(is_due).cloned().collect()
+    }
+}
+
+/// A part of a replay in which the manifest stays as it is.
+struct Leg<'a> {
+    order: &'a ReplayOrder<'a>,
+    manifest: Manifest,
+    recording: &'a RecordedRun,
+    programs: &'a Path,
+    /// Changes that end this leg and later ones.
+    changes: Vec<ChangeRecord>,
+    from: Option<Origin<'a>>,
+}
+
+impl Leg<'_> {
+    /// Window of the change that ends this leg.
+    fn due(&self) -> Option<u64> {
+        self.changes.first().map(|change| change.window)
+    }
+
+    fn carry_out(
+        &self,
+        out: &mut RunFolder,
+        terminal: &mut Terminal,
+        interrupts: &AtomicUsize,
+    ) -> Result<Ended, ReplayError> {
+        let Self { order, manifest, recording, programs, .. } = self;
+        let failed = |error| run_error(error, manifest);
+        let execution = Execution {
+            in_process: order.in_process,
+            changes: self.changes.clone(),
+            ..Execution::default()
+        };
+        let described = prepare(manifest, programs, out.path(), &execution, interrupts);
+        let descriptions = dismissed(described.map_err(failed)?);
+        let played = self.with_players(&descriptions);
+        let prepared = prepare(&played, programs, out.path(), &execution, interrupts);
+        let mut prepared = prepared.map_err(failed)?;
+        if let Err(why) = recording.fit(&mut prepared) {
+            prepared.dismiss();
+            return Err(ReplayError::Input(why));
+        }
+        let executed = prepared.execute(RunCall {
+            manifest: &played,
+            out,
+            execution: &execution,
+            terminal,
+            interrupts,
+            programs,
+            from: self.from,
+        });
+        executed.map_err(failed)
+    }
+
+    /// The manifest with players in place of all components but one.
+    fn with_players(&self, descriptions: &[Description]) -> Manifest {
+        let mut played = self.manifest.clone();
+        for (spec, description) in played.spec.components.iter_mut().zip(descriptions) {
+            if spec.name != self.order.component {
+                spec.program = PLAYER.into();
+                spec.settings = Map::from_iter([
+                    ("recording".into(), self.recording.path.to_string_lossy().into()),
+                    ("description".into(), json!(description)),
+                    ("last_compared".into(), json!(self.due())),
+                ]);
+            }
+        }
+        played
+    }
 }
 
 fn run_error(error: RunError, manifest: &Manifest) -> ReplayError {
@@ -245,24 +341,4 @@ fn dismissed(prepared: Prepared) -> Vec<Description> {
     let descriptions = prepared.descriptions.clone();
     prepared.dismiss();
     descriptions
-}
-
-/// The manifest with players in place of all components but one.
-fn with_players(
-    manifest: &Manifest,
-    component: &str,
-    recording: &Path,
-    descriptions: &[Description],
-) -> Manifest {
-    let mut played = manifest.clone();
-    for (spec, description) in played.spec.components.iter_mut().zip(descriptions) {
-        if spec.name != component {
-            spec.program = PLAYER.into();
-            spec.settings = Map::from_iter([
-                ("recording".to_string(), Value::from(recording.to_string_lossy())),
-                ("description".to_string(), json!(description)),
-            ]);
-        }
-    }
-    played
 }
