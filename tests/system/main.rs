@@ -8,6 +8,7 @@ mod alone;
 mod answers;
 mod bad_input;
 mod branches;
+mod cluster;
 mod compare;
 mod compressible_gas;
 mod conform;

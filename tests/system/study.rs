@@ -35,44 +35,44 @@ y = "speed"
 "#;
 
 /// A folder with the small manifest and a study of it.
-struct Home(TempDir);
+pub struct Home(TempDir);
 
 impl Home {
-    fn new(study: &str) -> Self {
+    pub fn new(study: &str) -> Self {
         let home = Self(tempfile::tempdir().unwrap());
         std::fs::write(home.path().join("base.toml"), SMALL).unwrap();
         std::fs::write(home.path().join("study.toml"), study).unwrap();
         home
     }
 
-    fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         self.0.path()
     }
 
-    fn command(&self, options: &[&str]) -> Command {
+    pub fn command(&self, options: &[&str]) -> Command {
         let mut command = tremie();
         command.current_dir(self.path()).args(["study", "study.toml"]).args(options);
         command
     }
 
-    fn study(&self, options: &[&str]) -> Output {
+    pub fn study(&self, options: &[&str]) -> Output {
         self.command(options).output().unwrap()
     }
 
     /// A table of the study in a folder.
-    fn table(&self, out: &str, name: &str) -> String {
+    pub fn table(&self, out: &str, name: &str) -> String {
         std::fs::read_to_string(self.path().join(out).join(name)).unwrap()
     }
 
     /// Folders of runs that have a summary.
-    fn ended(&self, out: &str) -> Vec<PathBuf> {
+    pub fn ended(&self, out: &str) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(self.path().join(out).join("runs"));
         let folders = entries.into_iter().flatten().flatten().map(|entry| entry.path());
         folders.filter(|folder| folder.join("summary.json").exists()).collect()
     }
 }
 
-fn errors(output: &Output) -> String {
+pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 

@@ -321,6 +321,9 @@ pub struct StudyArgs {
     /// [default: as many as the cores are enough for]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
+    /// Give the runs to a Slurm cluster, as an array of jobs, and collect their results
+    #[arg(long, conflicts_with_all = ["list", "print"])]
+    pub slurm: bool,
     /// Only check all, and list the runs
     #[arg(long)]
     pub list: bool,

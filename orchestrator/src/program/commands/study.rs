@@ -8,10 +8,10 @@ use crate::run::handshake::cores;
 use crate::terminal::standard::answer;
 use crate::terminal::{Style, Terminal};
 use crate::tools::study::{
-    FolderUse, RunQueue, Study, StudyEnd, StudyError, StudyRun, TABLE, draw_plots, value_text,
+    FolderUse, RunQueue, SlurmQueue, Study, StudyEnd, StudyError, StudyRun, TABLE, draw_plots,
+    shell_word, value_text,
 };
 use serde_json::json;
-use std::ffi::OsStr;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicUsize;
 use tremie_results::text_columns;
@@ -41,7 +41,11 @@ fn carry_out(arguments: &StudyArgs, terminal: &mut Terminal) -> Result<ExitCode,
         return Ok(ExitCode::SUCCESS);
     }
     let _lock = study.folder.lock()?;
-    let end = make(&study, jobs, terminal, &interrupts)?;
+    tell_begin(&study, terminal);
+    let end = match arguments.slurm {
+        true => SlurmQueue::new(&study, jobs, terminal, &interrupts).make_all()?,
+        false => make(&study, jobs, terminal, &interrupts)?,
+    };
     tell_plots(&study, &end, terminal)?;
     Ok(tell_end(&study, &end, arguments, terminal))
 }
@@ -117,27 +121,21 @@ fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// A word as a shell reads it back.
-fn shell_word(word: &OsStr) -> String {
-    let text = word.to_string_lossy();
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,".contains(c);
-    match !text.is_empty() && text.chars().all(is_plain) {
-        true => text.into_owned(),
-        false => format!("'{}'", text.replace('\'', r"'\''")),
-    }
+fn tell_begin(study: &Study, terminal: &Terminal) {
+    let folder = study.folder.path().display();
+    let runs = study.runs.len();
+    let points = study.runs.last().map_or(0, |run| run.point);
+    terminal.say(&format!("{points} points, {runs} runs; outputs in {folder}"));
 }
 
-/// Makes the runs that are not done.
+/// Makes the runs that are not done, on this machine.
 fn make(
     study: &Study,
     jobs: Option<usize>,
     terminal: &mut Terminal,
     interrupts: &AtomicUsize,
 ) -> Result<StudyEnd, StudyError> {
-    let folder = study.folder.path().display();
     let runs = study.runs.len();
-    let points = study.runs.last().map_or(0, |run| run.point);
-    terminal.say(&format!("{points} points, {runs} runs; outputs in {folder}"));
     let most = study.runs.iter().map(|run| run.threads.share(cores(), jobs).threads).max();
     let most = most.unwrap_or(1).min(cores());
     let cores = cores();
@@ -195,18 +193,6 @@ fn same_command(arguments: &StudyArgs) -> String {
     let mut words = vec!["tremie study".to_string(), shell_word(arguments.file.as_os_str())];
     words.extend(arguments.out.iter().map(|out| format!("--out {}", shell_word(out.as_os_str()))));
     words.extend(arguments.jobs.map(|jobs| format!("--jobs {jobs}")));
+    words.extend(arguments.slurm.then(|| "--slurm".into()));
     words.join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_of_a_shell_are_quoted_where_they_must_be() {
-        assert_eq!(shell_word(OsStr::new("runs/a-1")), "runs/a-1");
-        assert_eq!(shell_word(OsStr::new("a=\"1 m\"")), "'a=\"1 m\"'");
-        assert_eq!(shell_word(OsStr::new("it's")), r"'it'\''s'");
-        assert_eq!(shell_word(OsStr::new("")), "''");
-    }
 }

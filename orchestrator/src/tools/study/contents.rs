@@ -2,7 +2,7 @@
 
 use super::axes::{StudyAxis, toml_text};
 use super::columns::StudyColumn;
-use super::file::{PlotTable, StudyDocument};
+use super::file::{PlotTable, SlurmTable, StudyDocument};
 use super::points;
 use crate::manifest::{self, ManifestErrors, Source, is_within};
 use serde_json::Value;
@@ -31,6 +31,8 @@ pub struct StudyContents {
     pub columns: Vec<StudyColumn>,
     /// Plots.
     pub plots: Vec<StudyPlot>,
+    /// What the runs ask of a cluster.
+    pub slurm: SlurmTable,
     /// Places in the file, for messages.
     pub source: Source,
 }
@@ -70,11 +72,13 @@ impl StudyContents {
         check_keys(&document, &axes, &mut problems);
         check_count(&document, &axes, &mut problems);
         let plots = plots(&document.plots, &axes, &columns, &mut problems);
+        check_slurm(&document.slurm, &mut problems);
         if !problems.is_empty() {
             return Err(ManifestErrors { source_text: source, problems });
         }
         let set = document.set.iter().map(|(key, value)| (key.clone(), toml_text(value))).collect();
-        Ok(Self { base, repeats: document.repeats, axes, set, columns, plots, source })
+        let (repeats, slurm) = (document.repeats, document.slurm);
+        Ok(Self { base, repeats, axes, set, columns, plots, slurm, source })
     }
 
     /// All keys of the axes.
@@ -170,6 +174,21 @@ fn check_count(document: &StudyDocument, axes: &[StudyAxis], problems: &mut Vec<
         let all = runs.map_or("too many to count".to_string(), |runs| runs.to_string());
         let message = format!("all combinations are {all} runs, expected {MOST_RUNS} at most");
         problems.push(Problem::new("axes", message).help("give the axes fewer values"));
+    }
+}
+
+/// Options stand in a line of a script each.
+fn check_slurm(table: &SlurmTable, problems: &mut Vec<Problem>) {
+    if table.cpus == Some(0) {
+        let problem = Problem::new("slurm.cpus", "found 0, expected 1 or more");
+        problems.push(problem.help("leave it out for a core for each component that computes"));
+    }
+    for (index, option) in table.options.iter().enumerate() {
+        if !option.starts_with('-') || option.contains('\n') {
+            let message = format!("found {option:?}, expected an option of sbatch");
+            let problem = Problem::new(format!("slurm.options[{index}]"), message);
+            problems.push(problem.help("write \"--time=1:00:00\""));
+        }
     }
 }
 
@@ -288,6 +307,8 @@ y = "speed"
             ("y = \"speed\"", "y = \"sped\"", 22, "did you mean \"speed\"?"),
             ("x = \"run.until\"", "y = \"x\"", 22, "duplicate key"),
             ("\"2 ms\"]", "\"2 s\"]", 21, "numbers in one unit"),
+            ("[[plots]]", "[slurm]\ncpus = 0\n[[plots]]", 21, "found 0"),
+            ("[[plots]]", "[slurm]\noptions = ['time=1']\n[[plots]]", 21, "an option of sbatch"),
         ] {
             assert!(GOOD.contains(from), "{from}");
             let error = read(&GOOD.replacen(from, to, 1)).unwrap_err().to_string();

@@ -21,6 +21,18 @@ pub struct StudyDocument {
     pub columns: BTreeMap<String, ColumnTable>,
     /// Plots of columns over axes.
     pub plots: Vec<PlotTable>,
+    /// What the runs ask of a cluster.
+    pub slurm: SlurmTable,
+}
+
+/// What the runs of a study ask of a Slurm cluster.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SlurmTable {
+    /// Cores of a run; without it, one for each component that computes.
+    pub cpus: Option<u32>,
+    /// Options of `sbatch`, as `--time=1:00:00`.
+    pub options: Vec<String>,
 }
 
 /// An axis: one key with its values, or several keys that change together.

@@ -2,9 +2,9 @@
 //!
 //! A study file (`file`, `contents`) names a manifest, axes of values and columns. All
 //! combinations of the axes are its points (`axes`, `points`); each point is one run, or several
-//! with other seeds (`runs`). Runs are processes of this program (`queue`, `threads`) in the
-//! study's folder (`folder`). Their signals become columns (`columns`) of a table (`table`) and
-//! plots (`plots`).
+//! with other seeds (`runs`). Runs are processes of this program (`queue`, `threads`), or tasks of a
+//! cluster (`slurm`), in the study's folder (`folder`). Their signals become columns (`columns`) of a
+//! table (`results`, `table`) and plots (`plots`).
 
 mod axes;
 mod columns;
@@ -14,7 +14,9 @@ mod folder;
 mod plots;
 mod points;
 mod queue;
+mod results;
 mod runs;
+mod slurm;
 mod table;
 mod threads;
 
@@ -23,15 +25,17 @@ pub use columns::StudyColumn;
 pub use contents::StudyContents;
 pub use folder::{FolderUse, StudyFolder, StudyLock};
 pub use plots::draw_plots;
-pub use queue::{RunQueue, StudyEnd};
+pub use queue::RunQueue;
+pub use results::StudyEnd;
 pub use runs::StudyRun;
+pub use slurm::SlurmQueue;
 pub use table::{RunResults, TABLE};
 pub use threads::ThreadShare;
 
 use crate::manifest::{Manifest, ManifestErrors};
 use crate::outputs::OutputError;
 use crate::run::{RunError, signals_of};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 
@@ -64,6 +68,16 @@ pub enum StudyError {
         /// File of the plot.
         path: PathBuf,
         /// The error of the drawing.
+        message: String,
+    },
+    /// One of Slurm's commands did not do its work.
+    #[error(
+        "{command}: {message}\n--slurm needs the commands of a Slurm cluster, and a study whose folder all nodes share; --print gives the command lines to any other scheduler"
+    )]
+    Slurm {
+        /// The command.
+        command: String,
+        /// What it said.
         message: String,
     },
     /// The user asked for the end before the first run.
@@ -108,6 +122,13 @@ impl Study {
         Ok(Self { contents, columns, runs, folder: StudyFolder::of(out, file) })
     }
 
+    /// Name of its folder.
+    pub fn name(&self) -> String {
+        let path = std::path::absolute(self.folder.path());
+        let name = path.ok().and_then(|path| path.file_name().map(OsStr::to_os_string));
+        name.map_or_else(|| "study".into(), |name| name.to_string_lossy().into_owned())
+    }
+
     /// Arguments of this program for a run.
     pub fn arguments(&self, run: &StudyRun, share: &ThreadShare) -> Vec<OsString> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
@@ -116,6 +137,16 @@ impl Study {
         let sets = run.sets.iter().chain(&share.sets);
         let sets = sets.flat_map(|(key, value)| ["--set".into(), format!("{key}={value}").into()]);
         begin.into_iter().chain(sets).collect()
+    }
+}
+
+/// A word as a shell reads it back.
+pub fn shell_word(word: &OsStr) -> String {
+    let text = word.to_string_lossy();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text.into_owned(),
+        false => format!("'{}'", text.replace('\'', r"'\''")),
     }
 }
 
@@ -142,4 +173,17 @@ fn columns_with_units(
     }
     let source_text = contents.source.clone();
     Err(StudyError::Input(vec![ManifestErrors { source_text, problems }]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_shell_are_quoted_where_they_must_be() {
+        assert_eq!(shell_word(OsStr::new("runs/a-1")), "runs/a-1");
+        assert_eq!(shell_word(OsStr::new("a=\"1 m\"")), "'a=\"1 m\"'");
+        assert_eq!(shell_word(OsStr::new("it's")), r"'it'\''s'");
+        assert_eq!(shell_word(OsStr::new("")), "''");
+    }
 }

@@ -125,6 +125,7 @@ mod tests {
             set: Vec::new(),
             columns: Vec::new(),
             plots: Vec::new(),
+            slurm: Default::default(),
             source: Default::default(),
         };
         let run = |row| StudyRun {

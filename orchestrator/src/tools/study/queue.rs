@@ -1,31 +1,27 @@
 //! The queue of runs: processes of this program, as many at once as the machine has cores for.
 
-use super::folder::{FolderUse, RunOutcome};
-use super::table::{RunResults, write_tables};
+use super::folder::FolderUse;
+use super::results::{StudyEnd, StudyResults, last_words};
 use super::threads::{ThreadShare, may_begin};
 use super::{Study, StudyError};
 use crate::run::handshake::cores;
 use crate::run::launch::this_program;
-use crate::terminal::{RunsProgress, Terminal};
+use crate::terminal::Terminal;
 use rustix::process::{Pid, Signal, kill_process};
-use serde_json::json;
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{Read, Seek};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Time between looks at the runs.
 const LOOK: Duration = Duration::from_millis(20);
-/// Most failures that are told in full.
-const MOST_TOLD: usize = 20;
 
 /// The runs of a study while they are made.
 pub struct RunQueue<'a> {
     study: &'a Study,
-    terminal: &'a mut Terminal,
+    results: StudyResults<'a>,
     interrupts: &'a AtomicUsize,
     /// Most runs at once.
     jobs: usize,
@@ -33,14 +29,8 @@ pub struct RunQueue<'a> {
     /// Runs that wait, by their numbers.
     waiting: VecDeque<usize>,
     going_on: Vec<RunningRun>,
-    /// Results of the runs that have ended.
-    results: Vec<Option<RunResults>>,
-    /// Runs that this study made.
-    made: usize,
-    failed: usize,
     /// Interrupts that the runs were told.
     told: usize,
-    begin: Instant,
 }
 
 /// A run that is under way.
@@ -52,19 +42,6 @@ struct RunningRun {
     threads: u32,
 }
 
-/// What became of the runs of a study.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StudyEnd {
-    /// Results of all runs that have ended.
-    pub results: Vec<Option<RunResults>>,
-    /// Runs that were made now.
-    pub made: usize,
-    /// Runs that failed.
-    pub failed: usize,
-    /// The user ended the study.
-    pub is_interrupted: bool,
-}
-
 impl<'a> RunQueue<'a> {
     /// The queue of all runs that are not done.
     pub fn new(
@@ -74,31 +51,11 @@ impl<'a> RunQueue<'a> {
         interrupts: &'a AtomicUsize,
     ) -> Self {
         let shares = study.runs.iter().map(|run| run.threads.share(cores(), jobs)).collect();
-        let of_done = |run| {
-            let outcome = study.folder.outcome(run).filter(RunOutcome::is_done)?;
-            Some(RunResults::read(&study.folder, run, &study.columns, outcome))
-        };
-        let results: Vec<_> = study.runs.iter().map(of_done).collect();
-        let waiting = (0..results.len()).filter(|index| results[*index].is_none()).collect();
-        Self {
-            study,
-            terminal,
-            interrupts,
-            jobs: jobs.unwrap_or(usize::MAX),
-            shares,
-            waiting,
-            going_on: Vec::new(),
-            results,
-            made: 0,
-            failed: 0,
-            told: 0,
-            begin: Instant::now(),
-        }
-    }
-
-    /// Runs that are done already.
-    pub fn done(&self) -> usize {
-        self.results.iter().flatten().count()
+        let results = StudyResults::read(study, terminal);
+        let waiting = results.left().collect();
+        let jobs = jobs.unwrap_or(usize::MAX);
+        let going_on = Vec::new();
+        Self { study, results, interrupts, jobs, shares, waiting, going_on, told: 0 }
     }
 
     /// Makes all runs that wait. After an interrupt those under way end in order, and none begins.
@@ -116,21 +73,16 @@ impl<'a> RunQueue<'a> {
             }
         }
         outcome?;
-        Ok(StudyEnd {
-            results: self.results,
-            made: self.made,
-            failed: self.failed,
-            is_interrupted: self.told > 0,
-        })
+        Ok(self.results.end(self.told > 0))
     }
 
     fn go_on(&mut self) -> Result<(), StudyError> {
-        self.write()?;
+        self.results.write()?;
         while !(self.waiting.is_empty() && self.going_on.is_empty()) {
             self.heed_interrupts();
             self.begin_runs()?;
             self.collect()?;
-            self.show();
+            self.results.show(self.going_on.len(), self.waiting.len());
             std::thread::sleep(LOOK);
         }
         Ok(())
@@ -144,7 +96,7 @@ impl<'a> RunQueue<'a> {
         }
         if self.told == 0 && !self.going_on.is_empty() {
             let count = self.going_on.len();
-            self.terminal.say(&format!("runs under way end in order: {count}"));
+            self.results.terminal.say(&format!("runs under way end in order: {count}"));
         }
         self.told = interrupts;
         self.waiting.clear();
@@ -176,7 +128,7 @@ impl<'a> RunQueue<'a> {
                 }
                 // Somebody else has made it meanwhile.
                 FolderUse::Done => {
-                    self.take(index)?;
+                    self.results.take(index)?;
                     continue;
                 }
                 FolderUse::Unfinished => self.study.folder.remove(run)?,
@@ -211,7 +163,7 @@ impl<'a> RunQueue<'a> {
             }
             let mut running = self.going_on.remove(place);
             let index = running.index;
-            if self.told > 0 && !self.is_done(index) {
+            if self.told > 0 && !self.results.is_done(index) {
                 // It was ended, and will be made again.
                 continue;
             }
@@ -220,84 +172,8 @@ impl<'a> RunQueue<'a> {
                 self.waiting.push_back(index);
                 continue;
             }
-            self.made += 1;
-            if !self.is_done(index) {
-                self.failed += 1;
-                self.tell_failure(index, &words_of(&mut running.words));
-            }
-            self.take(index)?;
+            self.results.take_made(index, || last_words(&mut running.words))?;
         }
         Ok(())
     }
-
-    fn is_done(&self, index: usize) -> bool {
-        let outcome = self.study.folder.outcome(&self.study.runs[index]);
-        outcome.is_some_and(|outcome| outcome.is_done())
-    }
-
-    /// Takes the results of a run, and writes the tables anew.
-    fn take(&mut self, index: usize) -> Result<(), StudyError> {
-        let run = &self.study.runs[index];
-        // A run that the manifest's components refuse has no summary.
-        let refused = || RunOutcome { status: "failed".into(), wall_time: None };
-        let outcome = self.study.folder.outcome(run).unwrap_or_else(refused);
-        let results = RunResults::read(&self.study.folder, run, &self.study.columns, outcome);
-        self.terminal.event(json!({
-            "event": "run", "point": run.point, "seed": run.seed, "values": run.values,
-            "status": results.status, "numbers": results.numbers,
-            "out": self.study.folder.of_run(run),
-        }));
-        self.results[index] = Some(results);
-        self.write()
-    }
-
-    fn write(&self) -> Result<(), StudyError> {
-        let Study { folder, contents, columns, runs, .. } = self.study;
-        write_tables(folder, contents, columns, runs, &self.results)
-    }
-
-    fn tell_failure(&self, index: usize, words: &str) {
-        if self.failed > MOST_TOLD {
-            return;
-        }
-        let run = &self.study.runs[index];
-        let out = self.study.folder.of_run(run);
-        let values = run.words(&self.study.contents);
-        let number = format!("run {} of {}", index + 1, self.study.runs.len());
-        let text = format!("{number} failed: {values}; outputs in {}\n{words}", out.display());
-        self.terminal.point_out(&text);
-        self.terminal.event(json!({
-            "event": "failure", "point": run.point, "seed": run.seed, "values": run.values,
-            "text": words, "out": out,
-        }));
-    }
-
-    fn show(&mut self) {
-        if !self.terminal.wants_progress() {
-            return;
-        }
-        let left = self.waiting.len() + self.going_on.len();
-        let each = self.begin.elapsed().as_secs_f64() / self.made as f64;
-        self.terminal.progress_of_runs(&RunsProgress {
-            ended: self.done(),
-            runs: self.results.len(),
-            going_on: self.going_on.len(),
-            failed: self.failed,
-            seconds_left: (self.made > 0).then_some(each * left as f64),
-        });
-    }
-}
-
-/// Text on a run's standard error, its last lines where it is long.
-fn words_of(file: &mut File) -> String {
-    const LINES: usize = 30;
-    let mut bytes = Vec::new();
-    let read = file.rewind().and_then(|()| file.read_to_end(&mut bytes));
-    if let Err(error) = read {
-        return format!("  its words cannot be read: {error}");
-    }
-    let text = String::from_utf8_lossy(&bytes);
-    let lines: Vec<&str> = text.trim_end().lines().collect();
-    let first = lines.len().saturating_sub(LINES);
-    lines[first..].iter().map(|line| format!("  {line}")).collect::<Vec<_>>().join("\n")
 }

@@ -1,5 +1,6 @@
 //! Threads of a run, and its share of the machine's cores.
 
+use super::file::SlurmTable;
 use crate::manifest::Spec;
 
 /// Threads that the components of a run may use.
@@ -50,6 +51,16 @@ impl RunThreads {
     }
 }
 
+impl SlurmTable {
+    /// The share of a run on a cluster. Open components may use all its cores, as they take turns.
+    pub fn share(&self, run: &RunThreads) -> ThreadShare {
+        let least = run.fixed + u32::try_from(run.open.len()).unwrap_or(u32::MAX);
+        let threads = self.cpus.unwrap_or(least).max(1);
+        let set = |name: &String| (format!("components.{name}.threads"), threads.to_string());
+        ThreadShare { threads, sets: run.open.iter().map(set).collect() }
+    }
+}
+
 /// True if a run of so many threads may begin beside those that go on: there are fewer than `jobs`, and
 /// all threads have a core. A run alone may always begin.
 pub fn may_begin(going_on: &[u32], threads: u32, jobs: usize, cores: u32) -> bool {
@@ -72,6 +83,16 @@ mod tests {
         assert_eq!(run.share(2, Some(8)).threads, 3);
         let fixed = RunThreads { fixed: 4, open: Vec::new() };
         assert_eq!(fixed.share(16, Some(2)), ThreadShare { threads: 4, sets: Vec::new() });
+    }
+
+    #[test]
+    fn open_components_take_turns_on_the_cores_of_a_cluster() {
+        let run = RunThreads { fixed: 1, open: vec!["fluid".into(), "grains".into()] };
+        assert_eq!(SlurmTable::default().share(&run).threads, 3);
+        let four = SlurmTable { cpus: Some(4), ..SlurmTable::default() };
+        let set = |name: &str| (format!("components.{name}.threads"), "4".to_string());
+        let share = four.share(&run);
+        assert_eq!((share.threads, share.sets), (4, vec![set("fluid"), set("grains")]));
     }
 
     #[test]

@@ -1,0 +1,382 @@
+//! Runs of a study on a cluster: arrays of jobs for Slurm, and the collection of their results.
+//!
+//! The study's folder must be on a file system that the nodes share. Each array has a file of command lines in
+//! it, one a task, and a script. `slurm.json` beside the tables names the arrays whose tasks may not have
+//! ended: a study that was left goes on to collect them.
+
+use super::folder::FolderUse;
+use super::results::{StudyEnd, StudyResults, last_words};
+use super::threads::ThreadShare;
+use super::{Study, StudyError, shell_word};
+use crate::terminal::Terminal;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// File of the arrays that may not have ended.
+const ARRAYS: &str = "slurm.json";
+/// Folder of scripts, command lines and what the tasks say.
+const FOLDER: &str = "slurm";
+/// Most tasks of an array: clusters allow 1000 as a rule.
+const MOST_TASKS: usize = 1000;
+/// Time between looks at Slurm's queue.
+const LOOK: Duration = Duration::from_secs(2);
+/// Time in which the files of a task that has ended must be seen here.
+const FILES_SEEN: Duration = Duration::from_secs(10);
+
+/// An array of jobs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct JobArray {
+    /// Its number at Slurm.
+    job: String,
+    /// Names of the runs of its tasks, from task 1 on.
+    runs: Vec<String>,
+}
+
+/// The runs of a study while a cluster makes them.
+pub struct SlurmQueue<'a> {
+    study: &'a Study,
+    results: StudyResults<'a>,
+    interrupts: &'a AtomicUsize,
+    /// Most runs at once.
+    jobs: Option<usize>,
+    arrays: Vec<JobArray>,
+    /// Runs that Slurm has, by their numbers: job and task.
+    tasks: BTreeMap<usize, (String, usize)>,
+    /// When tasks were found to have ended whose files were not seen yet.
+    ended: BTreeMap<usize, Instant>,
+}
+
+impl<'a> SlurmQueue<'a> {
+    /// The queue of all runs that are not done.
+    pub fn new(
+        study: &'a Study,
+        jobs: Option<usize>,
+        terminal: &'a mut Terminal,
+        interrupts: &'a AtomicUsize,
+    ) -> Self {
+        let results = StudyResults::read(study, terminal);
+        // Without it, runs that Slurm has are found by the locks of their folders.
+        let text = std::fs::read(study.folder.path().join(ARRAYS)).unwrap_or_default();
+        let arrays = serde_json::from_slice(&text).unwrap_or_default();
+        let (tasks, ended) = (BTreeMap::new(), BTreeMap::new());
+        Self { study, results, interrupts, jobs, arrays, tasks, ended }
+    }
+
+    /// Submits all runs that are neither done nor at Slurm, and collects the results. After an interrupt the
+    /// runs go on at Slurm.
+    ///
+    /// # Errors
+    /// If Slurm refuses, or the study's own files cannot be written.
+    pub fn make_all(mut self) -> Result<StudyEnd, StudyError> {
+        self.results.write()?;
+        self.find_tasks()?;
+        self.submit()?;
+        let mut looked: Option<Instant> = None;
+        while !self.tasks.is_empty() {
+            if self.interrupts.load(Ordering::Relaxed) > 0 {
+                self.tell_how_it_goes_on();
+                return Ok(self.results.end(true));
+            }
+            if looked.is_none_or(|looked| looked.elapsed() >= LOOK) {
+                self.collect()?;
+                looked = Some(Instant::now());
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Ok(self.results.end(false))
+    }
+
+    /// Finds the runs that Slurm has of a study before.
+    fn find_tasks(&mut self) -> Result<(), StudyError> {
+        if self.arrays.is_empty() {
+            return Ok(());
+        }
+        let queued = queued()?;
+        let left: BTreeSet<usize> = self.results.left().collect();
+        let name = |index: usize| self.study.runs[index].name.as_str();
+        let numbers: BTreeMap<&str, usize> =
+            left.iter().map(|index| (name(*index), *index)).collect();
+        for JobArray { job, runs } in &self.arrays {
+            for (task, run) in (1..).zip(runs) {
+                let task = (job.clone(), task);
+                if let Some(index) = numbers.get(run.as_str())
+                    && queued.contains_key(&task)
+                {
+                    self.tasks.insert(*index, task);
+                }
+            }
+        }
+        let jobs: BTreeSet<&str> = self.tasks.values().map(|(job, _)| job.as_str()).collect();
+        let arrays = self.arrays.iter().filter(|array| jobs.contains(array.job.as_str()));
+        self.arrays = arrays.cloned().collect();
+        let found = self.tasks.len();
+        if found > 0 {
+            self.results.terminal.say(&format!("Slurm has {found} of the runs already"));
+        }
+        self.note()
+    }
+
+    /// Submits what is neither done nor at Slurm.
+    fn submit(&mut self) -> Result<(), StudyError> {
+        let mut new = Vec::new();
+        let left: Vec<usize> = self.results.left().collect();
+        for index in left.into_iter().filter(|index| !self.tasks.contains_key(index)) {
+            let run = &self.study.runs[index];
+            match self.study.folder.use_of(run)? {
+                FolderUse::Done => self.results.take(index)?,
+                FolderUse::Unfinished => {
+                    self.study.folder.remove(run)?;
+                    new.push(index);
+                }
+                FolderUse::Free => new.push(index),
+                FolderUse::UnderWay => {
+                    let out = self.study.folder.of_run(run);
+                    let text =
+                        format!("{} is being made by somebody else: left out", out.display());
+                    self.results.terminal.point_out(&text);
+                }
+            }
+        }
+        for runs in new.chunks(MOST_TASKS) {
+            self.submit_array(runs, new.len() > MOST_TASKS)?;
+        }
+        Ok(())
+    }
+
+    fn submit_array(&mut self, runs: &[usize], is_one_of_several: bool) -> Result<(), StudyError> {
+        let folder = self.study.folder.path().join(FOLDER);
+        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        std::fs::create_dir_all(&folder).map_err(StudyError::io(&folder))?;
+        let number = (1..).find(|k| !folder.join(format!("{k}.sh")).exists()).unwrap_or(1);
+        let (lines, script) = (format!("{number}.lines"), format!("{number}.sh"));
+        let contents = &self.study.contents;
+        let shares: Vec<ThreadShare> =
+            runs.iter().map(|run| contents.slurm.share(&self.study.runs[*run].threads)).collect();
+        let program = std::env::current_exe()
+            .map_err(|error| StudyError::Io { path: "/proc/self/exe".into(), error })?;
+        let mut text = String::new();
+        for (run, share) in runs.iter().zip(&shares) {
+            let arguments = self.study.arguments(&self.study.runs[*run], share);
+            let words: Vec<String> = arguments.iter().map(|word| shell_word(word)).collect();
+            text += &format!("{} {}\n", shell_word(program.as_os_str()), words.join(" "));
+        }
+        let write = |name: &str, text: &str| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).map_err(StudyError::io(&path)).map(|()| path)
+        };
+        let lines = write(&lines, &text)?;
+        let array = ArrayScript {
+            name: format!("tremie-{}", self.study.name()),
+            tasks: runs.len(),
+            at_once: self.jobs,
+            in_turn: is_one_of_several && self.jobs.is_some(),
+            threads: shares.iter().map(|share| share.threads).max().unwrap_or(1),
+            folder: folder.clone(),
+            options: contents.slurm.options.clone(),
+            lines,
+        };
+        let script = write(&script, &array.text())?;
+        let job = run_command(Command::new("sbatch").arg("--parsable").arg(&script))?;
+        // With a cluster's name behind it where there are several.
+        let job = job.trim().split(';').next().unwrap_or_default().to_string();
+        self.tasks.extend((1..).zip(runs).map(|(task, run)| (*run, (job.clone(), task))));
+        let names = runs.iter().map(|run| self.study.runs[*run].name.clone()).collect();
+        self.arrays.push(JobArray { job: job.clone(), runs: names });
+        self.note()?;
+        let text = format!("Slurm has {} runs as job {job}; {}", runs.len(), script.display());
+        self.results.terminal.say(&text);
+        Ok(())
+    }
+
+    /// Takes the results of tasks that have ended.
+    fn collect(&mut self) -> Result<(), StudyError> {
+        let queued = queued()?;
+        let (mut running, mut waiting) = (0, 0);
+        let mut gone = Vec::new();
+        for (&index, task) in &self.tasks {
+            match queued.get(task) {
+                Some(TaskState::Waiting) => waiting += 1,
+                Some(TaskState::Running) => running += 1,
+                None => gone.push(index),
+            }
+        }
+        for index in gone {
+            let ended = *self.ended.entry(index).or_insert_with(Instant::now);
+            // A shared file system shows files of another machine late.
+            let is_seen = self.study.folder.outcome(&self.study.runs[index]).is_some();
+            if !is_seen && ended.elapsed() < FILES_SEEN {
+                continue;
+            }
+            let Some((job, task)) = self.tasks.remove(&index) else { continue };
+            let words = self.study.folder.path().join(FOLDER).join(format!("{job}_{task}.txt"));
+            self.results.take_made(index, || words_of_task(&job, task, &words))?;
+            self.forget(&job)?;
+        }
+        self.results.show(running, waiting);
+        Ok(())
+    }
+
+    /// Forgets an array all of whose tasks have ended.
+    fn forget(&mut self, job: &str) -> Result<(), StudyError> {
+        if self.tasks.values().any(|(other, _)| other == job) {
+            return Ok(());
+        }
+        self.arrays.retain(|array| array.job != job);
+        self.note()
+    }
+
+    /// Notes the arrays that may not have ended.
+    fn note(&self) -> Result<(), StudyError> {
+        let text = serde_json::to_vec_pretty(&self.arrays).unwrap_or_default();
+        self.study.folder.write(ARRAYS, &text)
+    }
+
+    fn tell_how_it_goes_on(&self) {
+        let jobs: BTreeSet<&str> = self.tasks.values().map(|(job, _)| job.as_str()).collect();
+        let jobs = jobs.into_iter().collect::<Vec<_>>().join(" ");
+        let text = format!(
+            "{} runs go on at Slurm; `scancel {jobs}` ends them, the same command collects them",
+            self.tasks.len()
+        );
+        self.results.terminal.say(&text);
+    }
+}
+
+/// The script of an array.
+struct ArrayScript {
+    name: String,
+    tasks: usize,
+    at_once: Option<usize>,
+    /// The array begins when the one before has ended.
+    in_turn: bool,
+    threads: u32,
+    folder: PathBuf,
+    options: Vec<String>,
+    /// File of the command lines.
+    lines: PathBuf,
+}
+
+impl ArrayScript {
+    fn text(&self) -> String {
+        let at_once = self.at_once.map_or(String::new(), |jobs| format!("%{jobs}"));
+        let mut options = vec![
+            format!("--job-name={}", self.name),
+            format!("--array=1-{}{at_once}", self.tasks),
+            format!("--cpus-per-task={}", self.threads),
+            format!("--output={}/%A_%a.txt", self.folder.display()),
+            // A run that was broken off is made again by the next study, in a folder that is empty.
+            "--no-requeue".into(),
+        ];
+        options.extend(self.in_turn.then(|| "--dependency=singleton".into()));
+        // Last: they hold where an option stands twice.
+        options.extend(self.options.iter().cloned());
+        let options =
+            options.iter().map(|option| format!("#SBATCH {option}\n")).collect::<String>();
+        let lines = shell_word(self.lines.as_os_str());
+        format!(
+            "#!/bin/sh\n{options}\n# Command line of this task. `exec`: signals reach the run.\n\
+             eval \"exec $(sed -n \"${{SLURM_ARRAY_TASK_ID}}p\" {lines})\"\n"
+        )
+    }
+}
+
+/// State of a task in Slurm's queue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TaskState {
+    Waiting,
+    Running,
+}
+
+/// All of the user's tasks that have not ended: job and task of each.
+fn queued() -> Result<BTreeMap<(String, usize), TaskState>, StudyError> {
+    let arguments = ["--me", "--array", "--noheader", "--format=%F %K %T"];
+    let text = run_command(Command::new("squeue").args(arguments))?;
+    Ok(text.lines().filter_map(task_of_line).collect())
+}
+
+/// A line of the queue: job, task, state; `None` for what is no task of an array.
+fn task_of_line(line: &str) -> Option<((String, usize), TaskState)> {
+    let mut words = line.split_whitespace();
+    let (job, task, state) = (words.next()?, words.next()?.parse().ok()?, words.next()?);
+    let is_running = matches!(state, "RUNNING" | "COMPLETING" | "SUSPENDED" | "STAGE_OUT");
+    let state = if is_running { TaskState::Running } else { TaskState::Waiting };
+    Some(((job.to_string(), task), state))
+}
+
+/// What a task said that failed, with Slurm's word on it, as long as Slurm remembers.
+fn words_of_task(job: &str, task: usize, file: &std::path::Path) -> String {
+    let asked = Command::new("scontrol")
+        .args(["--oneliner", "show", "job"])
+        .arg(format!("{job}_{task}"))
+        .stdin(Stdio::null())
+        .output();
+    let told = asked.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    let told = told.unwrap_or_default();
+    let of = |key: &str| told.split_whitespace().find_map(|word| word.strip_prefix(key));
+    let slurm = match (of("JobState="), of("ExitCode=")) {
+        (Some(state), Some(code)) => format!("  Slurm: job {job}_{task} {state}, exit code {code}"),
+        _ => format!("  Slurm: job {job}_{task} has ended"),
+    };
+    let said = File::open(file).map(|mut file| last_words(&mut file)).unwrap_or_default();
+    if said.is_empty() { slurm } else { format!("{slurm}\n{said}") }
+}
+
+/// Output of one of Slurm's commands.
+fn run_command(command: &mut Command) -> Result<String, StudyError> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let failed = |message: String| StudyError::Slurm { command: name.clone(), message };
+    let output =
+        command.stdin(Stdio::null()).output().map_err(|error| failed(error.to_string()))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    Err(failed(format!("{}; {}", said.trim(), output.status)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_script_asks_for_what_the_runs_need() {
+        let mut array = ArrayScript {
+            name: "tremie-pistons".into(),
+            tasks: 12,
+            at_once: Some(3),
+            in_turn: false,
+            threads: 4,
+            folder: "/home/a b/slurm".into(),
+            options: vec!["--time=1:00:00".into()],
+            lines: "/home/a b/slurm/1.lines".into(),
+        };
+        let text = array.text();
+        for line in [
+            "#!/bin/sh",
+            "#SBATCH --array=1-12%3",
+            "#SBATCH --cpus-per-task=4",
+            "#SBATCH --output=/home/a b/slurm/%A_%a.txt",
+            "#SBATCH --time=1:00:00",
+            "eval \"exec $(sed -n \"${SLURM_ARRAY_TASK_ID}p\" '/home/a b/slurm/1.lines')\"",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line}\n{text}");
+        }
+        assert!(!text.contains("singleton"));
+        (array.at_once, array.in_turn) = (None, true);
+        assert!(array.text().contains("--array=1-12\n") && array.text().contains("singleton"));
+    }
+
+    #[test]
+    fn tasks_are_read_from_the_queue() {
+        let task = |line| task_of_line(line);
+        assert_eq!(task("17 3 RUNNING"), Some((("17".into(), 3), TaskState::Running)));
+        assert_eq!(task("17 4 PENDING"), Some((("17".into(), 4), TaskState::Waiting)));
+        assert_eq!(task("18 N/A RUNNING"), None);
+        assert_eq!(task(""), None);
+    }
+}
