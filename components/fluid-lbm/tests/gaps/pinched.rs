@@ -1,9 +1,9 @@
 //! Cells that nothing flows through do not ring on: when grains have come to rest, all fluid does.
 
 use crate::common::*;
-use tremie_fluid_lbm::LbmFluid;
+use tremie_fluid_lbm::{Collision, LbmFluid};
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Geometry, Scene};
+use tremie_messages::scene::{Course, Face, Geometry, Outflow, Scene};
 
 /// Odd numbers of cells: between walls an even number apart a box itself has a wave of two steps
 /// that nothing damps.
@@ -104,5 +104,42 @@ fn nooks_of_parts() {
         scene.parts.push(part("ball", Geometry::Sphere { radius: 5.2 }, [18.4, 14.2, 5.1]));
         comes_to_rest("nooks", &case, &scene, &[]);
         comes_to_rest("on them", &case, &scene, &[[10.2, 17.8, RADIUS]]);
+    }
+}
+
+/// A box at a pressure face, with a nook of one cell in its far wall. Where viscosity is next to none, the
+/// pressure in the nook follows that of the box all the same.
+#[test]
+fn the_pressure_in_a_nook_is_that_beside_it() {
+    const PRESSURE: f64 = 1e-3;
+    for collision in [Collision::Bgk, Collision::Trt] {
+        let mut case = Case::new([13, 5, 5], [WALL; 3], 0.500_01);
+        (case.collision, case.bulk, case.smagorinsky) = (collision, Some(1.0), 0.1);
+        let mut scene = case.scene();
+        scene.domain.faces[0][0] = Face::Pressure {
+            pressure: PRESSURE,
+            course: Course::Points(vec![[0.0, 0.0], [100.0, 1.0]]),
+            outflow: Outflow::Absorbing,
+        };
+        for (name, min, max) in [
+            ("below", [8.0, 0.0, 0.0], [13.0, 5.0, 2.0]),
+            ("above", [8.0, 0.0, 3.0], [13.0, 5.0, 5.0]),
+            ("left", [8.0, 0.0, 2.0], [13.0, 2.0, 3.0]),
+            ("right", [8.0, 3.0, 2.0], [13.0, 5.0, 3.0]),
+            ("end", [9.0, 2.0, 2.0], [13.0, 3.0, 3.0]),
+        ] {
+            let size = std::array::from_fn(|a| max[a] - min[a]);
+            let middle = std::array::from_fn(|a| 0.5 * (min[a] + max[a]));
+            scene.parts.push(part(name, Geometry::Box { size }, middle));
+        }
+        let mut fluid = case.fluid_of(&scene);
+        fluid.start(&[], &mut []).unwrap();
+        for _ in 0..3000 {
+            fluid.step(&[], &mut []).unwrap();
+        }
+        let [beside, nook] = [[7, 2, 2], [8, 2, 2]].map(|cell| fluid.pressure_at(cell));
+        println!("{collision:?}: beside {beside:.3e}, nook {nook:.3e}");
+        assert!((beside / PRESSURE - 1.0).abs() < 0.1, "{collision:?}: {beside}");
+        assert!((nook / beside - 1.0).abs() < 0.05, "{collision:?}: {nook} {beside}");
     }
 }
