@@ -37,6 +37,9 @@ use tremie_state::{StateError, StateExchange};
 /// box.
 const OPEN_LINKS: usize = 9;
 
+/// Most links into fluid of a cell in a nook: through one face, and past the four edges of that.
+const LINKS_OF_NOOK: usize = 5;
+
 /// Steps from one mean to the next.
 const EVERY: u64 = 64;
 
@@ -50,6 +53,8 @@ struct Cell {
     cell: u32,
     /// Its momentum one step before a mean.
     j: [f64; 3],
+    /// True if it is in a nook.
+    is_nook: bool,
 }
 
 /// All pinched cells. Cells that are not pinched any more stay listed until the next mean.
@@ -86,22 +91,24 @@ impl Pinched {
     ) -> Result<(), StateError> {
         let mut cells: Vec<u32> = self.cells.iter().map(|pinched| pinched.cell).collect();
         let mut momenta: Vec<[f64; 3]> = self.cells.iter().map(|pinched| pinched.j).collect();
+        let mut nooks: Vec<u8> = self.cells.iter().map(|pinched| pinched.is_nook.into()).collect();
         state.list("cells", &mut cells)?;
         state.list("momenta", &mut momenta)?;
+        state.list("nooks", &mut nooks)?;
         state.value("noted", &mut self.noted)?;
         if !state.restores() {
             return Ok(());
         }
         self.cells.clear();
         self.listed.fill(0);
-        for (&cell, &j) in cells.iter().zip(&momenta) {
+        for ((&cell, &j), &nook) in cells.iter().zip(&momenta).zip(&nooks) {
+            let is_nook = nook != 0;
             if cell as usize >= all || self.is_listed(cell) {
                 return state.unfit("the pinched cells of the state are none of this lattice");
             }
-            self.list(cell);
-            self.cells.last_mut().expect("a cell was listed").j = j;
+            self.list(Cell { cell, j, is_nook });
         }
-        if momenta.len() != cells.len() || self.noted > cells.len() {
+        if momenta.len() != cells.len() || nooks.len() != cells.len() || self.noted > cells.len() {
             return state.unfit("the pinched cells of the state lack momenta");
         }
         Ok(())
@@ -111,9 +118,9 @@ impl Pinched {
         self.listed[cell as usize / 64] >> (cell % 64) & 1 == 1
     }
 
-    fn list(&mut self, cell: u32) {
-        self.listed[cell as usize / 64] |= 1 << (cell % 64);
-        self.cells.push(Cell { cell, j: [0.0; 3] });
+    fn list(&mut self, pinched: Cell) {
+        self.listed[pinched.cell as usize / 64] |= 1 << (pinched.cell % 64);
+        self.cells.push(pinched);
     }
 
     /// Memory that the list takes [bytes].
@@ -129,8 +136,10 @@ impl Pinched {
     }
 
     fn list_if_pinched<T: Real>(&mut self, lattice: &LatticeState<T>, cell: u32) {
-        if !self.is_listed(cell) && is_pinched(lattice, cell) {
-            self.list(cell);
+        if !self.is_listed(cell)
+            && let Some(links) = links_if_pinched(lattice, cell)
+        {
+            self.list(Cell { cell, j: [0.0; 3], is_nook: links <= LINKS_OF_NOOK });
         }
     }
 
@@ -161,10 +170,11 @@ impl Pinched {
         }
     }
 
-    /// Takes from pinched cells what is odd in the directions and is no momentum.
+    /// Takes from cells in nooks what is odd in the directions and is no momentum.
     fn take_odd_rest<T: Real>(&self, lattice: &LatticeState<T>) {
-        let before = lattice.before();
-        for pinched in self.cells.iter().filter(|cell| lattice.flags.is_fluid(cell.cell)) {
+        let (before, flags) = (lattice.before(), &lattice.flags);
+        let nooks = self.cells.iter().filter(|pinched| pinched.is_nook);
+        for pinched in nooks.filter(|pinched| flags.is_fluid(pinched.cell)) {
             let mut h = before.populations(pinched.cell);
             let j = Content::of(&h).j;
             for i in 1..Q {
@@ -182,13 +192,15 @@ impl Pinched {
     fn note<T: Real>(&mut self, lattice: &LatticeState<T>) {
         let Self { cells, listed, .. } = self;
         cells.retain_mut(|pinched| {
-            let stays = is_pinched(lattice, pinched.cell);
-            if stays {
-                pinched.j = lattice.before().content(pinched.cell).j;
-            } else {
-                listed[pinched.cell as usize / 64] &= !(1 << (pinched.cell % 64));
+            let links = links_if_pinched(lattice, pinched.cell);
+            match links {
+                Some(links) => {
+                    pinched.j = lattice.before().content(pinched.cell).j;
+                    pinched.is_nook = links <= LINKS_OF_NOOK;
+                }
+                None => listed[pinched.cell as usize / 64] &= !(1 << (pinched.cell % 64)),
             }
-            stays
+            links.is_some()
         });
         self.noted = cells.len();
     }
@@ -212,14 +224,17 @@ impl Pinched {
     }
 }
 
-/// True if a cell is fluid through which nothing flows.
-fn is_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> bool {
+/// Number of the links into fluid of a fluid cell through which nothing flows; `None` of any other cell.
+fn links_if_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> Option<usize> {
     let LatticeState { layout, flags, .. } = lattice;
     let is_open = |&i: &usize| {
         let neighbour = layout.neighbour(cell, i);
         neighbour.is_some_and(|n| flags.is_fluid(n)) || layout.sees_itself(cell, i)
     };
-    flags.is_fluid(cell)
-        && (1..Q).filter(is_open).take(OPEN_LINKS).count() < OPEN_LINKS
-        && layout.grid.open_faces(layout.at(cell)).next().is_none()
+    if !flags.is_fluid(cell) {
+        return None;
+    }
+    let links = (1..Q).filter(is_open).take(OPEN_LINKS).count();
+    let is_pinched = links < OPEN_LINKS && layout.grid.open_faces(layout.at(cell)).next().is_none();
+    is_pinched.then_some(links)
 }
