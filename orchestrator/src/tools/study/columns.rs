@@ -24,11 +24,13 @@ pub struct StudyColumn {
 }
 
 /// What a column takes of its signal.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum ColumnKind {
     Value(Take),
     /// The first time at which it meets a limit [s].
     Crossing(Limit),
+    /// The value when another signal first meets a limit.
+    At(String, Limit),
 }
 
 impl StudyColumn {
@@ -49,18 +51,36 @@ impl StudyColumn {
             let message = format!("ends at {until} s, not after {from} s, where it begins");
             wrong(".until", message, "give a later time, or leave it out");
         }
-        let kind = match (kind_of(of), table.above, table.below) {
-            (Some(take), None, None) => ColumnKind::Value(take),
-            (None, Some(bound), None) => ColumnKind::Crossing(Limit::Above(bound)),
-            (None, None, Some(bound)) => ColumnKind::Crossing(Limit::Below(bound)),
+        let limit = match (table.above, table.below) {
+            (Some(bound), None) => Some(Limit::Above(bound)),
+            (None, Some(bound)) => Some(Limit::Below(bound)),
+            _ => None,
+        };
+        let has_bound = table.above.is_some() || table.below.is_some();
+        let kind = match (kind_of(of), &table.when, limit) {
+            (Some(take), None, _) if !has_bound => ColumnKind::Value(take),
             (Some(_), ..) => {
-                let help = "leave the bound out, or write of = \"crossing\"";
+                let help = "leave when, above and below out, or write of = \"crossing\" or \"at\"";
                 wrong("", "only a crossing has a bound".into(), help);
+                return None;
+            }
+            (None, None, Some(limit)) if of == Reduction::Crossing => ColumnKind::Crossing(limit),
+            (None, Some(when), Some(limit)) if of == Reduction::At => {
+                ColumnKind::At(when.clone(), limit)
+            }
+            (None, ..) if of == Reduction::At => {
+                let help =
+                    "write when = \"grains.valve.lift\", above = 1e-4, in that signal's SI unit";
+                wrong(
+                    "",
+                    "a value at a crossing needs when, and either above or below".into(),
+                    help,
+                );
                 return None;
             }
             (None, ..) => {
                 let help = "write above = 1e-4, in the signal's SI unit";
-                wrong("", "a crossing needs either above or below".into(), help);
+                wrong("", "a crossing needs either above or below, of its own signal".into(), help);
                 return None;
             }
         };
@@ -74,31 +94,44 @@ impl StudyColumn {
     /// A problem, where the run has no such signal.
     pub fn find_signal(&mut self, signals: &[(String, Signal)]) -> Result<(), Problem> {
         let full = |(component, signal): &(String, Signal)| format!("{component}.{}", signal.name);
-        if let Some((_, signal)) = signals.iter().find(|signal| full(signal) == self.signal) {
-            let is_time = matches!(self.of, ColumnKind::Crossing(_));
-            self.unit = if is_time { "s".into() } else { signal.unit.clone() };
-            return Ok(());
-        }
         let names: Vec<String> = signals.iter().map(full).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let message = format!("no run has a signal \"{}\"", self.signal);
-        let problem = Problem::new(format!("columns.{}.signal", self.name), message);
-        Err(problem.help(match nearest(&self.signal, &names) {
-            Some(near) => format!("did you mean \"{near}\"?"),
-            None => "`tremie signals MANIFEST` lists those of a manifest".into(),
-        }))
+        let find = |key: &str, wanted: &str| {
+            names.iter().position(|name| name == wanted).ok_or_else(|| {
+                let known: Vec<&str> = names.iter().map(String::as_str).collect();
+                let message = format!("no run has a signal \"{wanted}\"");
+                let problem = Problem::new(format!("columns.{}.{key}", self.name), message);
+                problem.help(match nearest(wanted, &known) {
+                    Some(near) => format!("did you mean \"{near}\"?"),
+                    None => "`tremie signals MANIFEST` lists those of a manifest".into(),
+                })
+            })
+        };
+        let own = find("signal", &self.signal)?;
+        if let ColumnKind::At(when, _) = &self.of {
+            find("when", when)?;
+        }
+        let is_time = matches!(self.of, ColumnKind::Crossing(_));
+        self.unit = if is_time { "s".into() } else { signals[own].1.unit.clone() };
+        Ok(())
     }
 
     /// The number of a run; `None` where the signal is not there, has no values in the time that
     /// counts, or never meets the limit.
     pub fn measure(&self, signals: &Signals) -> Option<f64> {
-        let column = signals.column(&self.signal).ok()?;
-        let counts = |(time, _): &(f64, f64)| (self.from..=self.until).contains(time);
-        let points = signals.times.iter().copied().zip(column.iter().copied());
-        let points: Vec<(f64, f64)> = points.filter(counts).collect();
-        let value = match self.of {
-            ColumnKind::Value(take) => reduce(take, &points),
-            ColumnKind::Crossing(limit) => first_time(points, limit),
+        let points = |signal: &str| -> Option<Vec<(f64, f64)>> {
+            let column = signals.column(signal).ok()?;
+            let counts = |(time, _): &(f64, f64)| (self.from..=self.until).contains(time);
+            let points = signals.times.iter().copied().zip(column.iter().copied());
+            Some(points.filter(counts).collect())
+        };
+        let own = points(&self.signal)?;
+        let value = match &self.of {
+            ColumnKind::Value(take) => reduce(*take, &own),
+            ColumnKind::Crossing(limit) => first_time(own, *limit),
+            ColumnKind::At(when, limit) => {
+                let at = first_time(points(when)?, *limit)?;
+                own.into_iter().find(|(time, _)| *time >= at).map(|(_, value)| value)
+            }
         };
         value.filter(|value| value.is_finite())
     }
@@ -109,7 +142,7 @@ impl StudyColumn {
     }
 }
 
-/// The reduction as validation knows it; `None` for a crossing.
+/// The reduction as validation knows it; `None` for what depends on a crossing.
 fn kind_of(of: Reduction) -> Option<Take> {
     match of {
         Reduction::Max => Some(Take::Max),
@@ -117,7 +150,7 @@ fn kind_of(of: Reduction) -> Option<Take> {
         Reduction::Mean => Some(Take::Mean),
         Reduction::Last => Some(Take::Last),
         Reduction::Range => Some(Take::PeakToPeak),
-        Reduction::Crossing => None,
+        Reduction::Crossing | Reduction::At => None,
     }
 }
 
@@ -138,6 +171,7 @@ mod tests {
         let columns = [
             ("a.b".to_string(), vec![0.0, -1.0, 1.0, 3.0, 2.0]),
             ("a.none".to_string(), vec![f64::NAN; 5]),
+            ("a.lift".to_string(), vec![0.0, 1.0, 2.0, 3.0, 4.0]),
         ];
         Signals { times, columns: columns.into(), ..Signals::default() }
     }
@@ -158,6 +192,8 @@ mod tests {
         assert_eq!(value("of = 'crossing'\nbelow = 2.5\nfrom = '3 s'"), Some(4.0));
         assert_eq!(value("of = 'crossing'\nabove = 5.0"), None);
         assert_eq!(value("of = 'max'\nfrom = '9 s'"), None);
+        assert_eq!(value("of = 'at'\nwhen = 'a.lift'\nabove = 2.5"), Some(3.0));
+        assert_eq!(value("of = 'at'\nwhen = 'a.lift'\nabove = 4.5"), None);
     }
 
     #[test]
@@ -175,6 +211,13 @@ mod tests {
             ("of = 'max'", "columns.lift", "needs a signal and of"),
             ("signal = 'a.b'\nof = 'crossing'", "columns.lift", "above or below"),
             ("signal = 'a.b'\nof = 'max'\nabove = 1.0", "columns.lift", "only a crossing"),
+            ("signal = 'a.b'\nof = 'max'\nwhen = 'a.lift'", "columns.lift", "only a crossing"),
+            ("signal = 'a.b'\nof = 'at'\nabove = 1.0", "columns.lift", "needs when"),
+            (
+                "signal = 'a.b'\nof = 'crossing'\nwhen = 'a.lift'\nabove = 1.0",
+                "columns.lift",
+                "of its own signal",
+            ),
             (
                 "signal = 'a.b'\nof = 'max'\nfrom = '2 s'\nuntil = '1 s'",
                 "columns.lift.until",
@@ -199,5 +242,8 @@ mod tests {
         assert_eq!(delay.heading(), "lift [s]");
         let problem = column("signal = 'a.v'\nof = 'max'").unwrap().find_signal(&signals);
         assert_eq!(problem.unwrap_err().help.unwrap(), "did you mean \"a.b\"?");
+        let at = "signal = 'a.b'\nof = 'at'\nwhen = 'a.lift'\nabove = 1.0";
+        let problem = column(at).unwrap().find_signal(&signals).unwrap_err();
+        assert_eq!(problem.key, "columns.lift.when");
     }
 }

@@ -81,10 +81,13 @@ pub struct ColumnTable {
     pub from: Option<Time>,
     /// Simulated time up to which it counts.
     pub until: Option<Time>,
-    /// Of a crossing: the bound that the signal exceeds, in its SI unit.
+    /// Of a crossing: the bound that the signal exceeds, in its SI unit. Of a value at a crossing: the bound
+    /// that the signal `when` exceeds.
     pub above: Option<f64>,
-    /// Of a crossing: the bound that the signal falls below, in its SI unit.
+    /// The same of a bound that it falls below.
     pub below: Option<f64>,
+    /// Of a value at a crossing: the signal that crosses the bound.
+    pub when: Option<String>,
 }
 
 /// Reduction of a signal to a number.
@@ -103,6 +106,8 @@ pub enum Reduction {
     Range,
     /// The first time at which the signal is above or below a bound [s].
     Crossing,
+    /// The value when another signal is first above or below a bound.
+    At,
 }
 
 /// A plot of a column over a key.
