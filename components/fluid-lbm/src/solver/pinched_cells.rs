@@ -47,6 +47,10 @@ const EVERY: u64 = 64;
 /// steps: `|1 - 1/tau-|`.
 const PERSISTS: f64 = 0.9;
 
+/// Steps from one to the next that takes the odd rest. Density follows within some `18 ODD_EVERY` steps: a
+/// link along an axis has a weight of 1/18.
+const ODD_EVERY: u64 = 4;
+
 /// A pinched cell.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
@@ -160,7 +164,8 @@ impl Pinched {
     pub fn calm<T: Real>(&mut self, lattice: &LatticeState<T>) {
         self.impulse = [0.0; 3];
         let relaxation = &lattice.relaxation;
-        if !relaxation.central && (1.0 - relaxation.odd).abs() > PERSISTS {
+        let persists = !relaxation.central && (1.0 - relaxation.odd).abs() > PERSISTS;
+        if persists && lattice.steps.is_multiple_of(ODD_EVERY) {
             self.take_odd_rest(lattice);
         }
         match lattice.steps % EVERY {
