@@ -1,9 +1,9 @@
 //! Loads that answer an older list of bodies than the present one.
 //!
-//! In a parallel schedule, and in the first window after one, the fluid of a window does not know yet who
-//! came or went at the end of it. Grains take its loads for those who are still there. Who came since feels none in its first
-//! window, as if it had come a window later to the fluid: an error of the order of the window, like
-//! the lag itself.
+//! In a parallel schedule, and in the first window after one, the fluid of a window does not know yet
+//! who came or went at the end of it. Grains take its loads for those who are still there. Who came
+//! since feels none in its first window, as if it had come a window later to the fluid: an error of
+//! the order of the window, like the lag itself.
 
 use tremie_messages::Load;
 

@@ -20,7 +20,9 @@
 //! density to the cells around. What a cell sends through a link that is open is then, to `tau - 1/2`,
 //! what it got from there a step before. A cell in a nook under a piston that moves by a tenth of a cell
 //! so had a tenth less density than the fluid beside it. Where such a part would not die by itself
-//! ([`PERSISTS`]), each step takes it from pinched cells; mass, momentum and stress stay:
+//! ([`PERSISTS`]), every [`ODD_EVERY`]th step takes it from cells with no more open links than such a nook
+//! has ([`LINKS_OF_NOOK`]); mass, momentum and stress stay. Cells of a gap of one layer have eight, and
+//! keep it.
 //!
 //! ```text
 //! (f_i - f_i')/2 = 3 w_i c_i.j
