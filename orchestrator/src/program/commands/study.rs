@@ -104,8 +104,6 @@ fn list(study: &Study, terminal: &Terminal) {
 
 /// `--print`: a line of a shell for each run that is neither done nor under way.
 fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
-    let program = std::env::current_exe()
-        .map_err(|error| StudyError::Io { path: "/proc/self/exe".into(), error })?;
     for run in &study.runs {
         let folder = study.folder.of_run(run);
         let folder = std::path::absolute(&folder).unwrap_or(folder);
@@ -114,9 +112,8 @@ fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
             FolderUse::Unfinished => format!("rm -r {} && ", shell_word(folder.as_os_str())),
             FolderUse::Free => String::new(),
         };
-        let arguments = study.arguments(run, &run.threads.share(cores(), jobs));
-        let words: Vec<String> = arguments.iter().map(|word| shell_word(word)).collect();
-        answer(format_args!("{before}{} {}", shell_word(program.as_os_str()), words.join(" ")));
+        let line = study.command_line(run, &run.threads.share(cores(), jobs))?;
+        answer(format_args!("{before}{line}"));
     }
     Ok(())
 }

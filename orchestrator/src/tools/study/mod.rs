@@ -129,8 +129,19 @@ impl Study {
         name.map_or_else(|| "study".into(), |name| name.to_string_lossy().into_owned())
     }
 
+    /// The command of a run, as a shell takes it.
+    ///
+    /// # Errors
+    /// If the system does not tell where this program lies.
+    pub fn command_line(&self, run: &StudyRun, share: &ThreadShare) -> Result<String, StudyError> {
+        let program =
+            std::env::current_exe().map_err(StudyError::io(Path::new("/proc/self/exe")))?;
+        let words = std::iter::once(program.into_os_string()).chain(self.arguments(run, share));
+        Ok(words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" "))
+    }
+
     /// Arguments of this program for a run.
-    pub fn arguments(&self, run: &StudyRun, share: &ThreadShare) -> Vec<OsString> {
+    fn arguments(&self, run: &StudyRun, share: &ThreadShare) -> Vec<OsString> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         let (base, out) = (absolute(&self.contents.base), absolute(&self.folder.of_run(run)));
         let begin = ["run".into(), base.into(), "--out".into(), out.into(), "--quiet".into()];

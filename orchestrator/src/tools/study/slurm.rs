@@ -111,14 +111,11 @@ impl<'a> SlurmQueue<'a> {
                 }
             }
         }
-        let jobs: BTreeSet<&str> = self.tasks.values().map(|(job, _)| job.as_str()).collect();
-        let arrays = self.arrays.iter().filter(|array| jobs.contains(array.job.as_str()));
-        self.arrays = arrays.cloned().collect();
         let found = self.tasks.len();
         if found > 0 {
             self.results.terminal.say(&format!("Slurm has {found} of the runs already"));
         }
-        self.note()
+        self.forget_ended()
     }
 
     /// Submits what is neither done nor at Slurm.
@@ -157,13 +154,10 @@ impl<'a> SlurmQueue<'a> {
         let contents = &self.study.contents;
         let shares: Vec<ThreadShare> =
             runs.iter().map(|run| contents.slurm.share(&self.study.runs[*run].threads)).collect();
-        let program = std::env::current_exe()
-            .map_err(|error| StudyError::Io { path: "/proc/self/exe".into(), error })?;
         let mut text = String::new();
         for (run, share) in runs.iter().zip(&shares) {
-            let arguments = self.study.arguments(&self.study.runs[*run], share);
-            let words: Vec<String> = arguments.iter().map(|word| shell_word(word)).collect();
-            text += &format!("{} {}\n", shell_word(program.as_os_str()), words.join(" "));
+            text += &self.study.command_line(&self.study.runs[*run], share)?;
+            text.push('\n');
         }
         let write = |name: &str, text: &str| {
             let path = folder.join(name);
@@ -215,18 +209,26 @@ impl<'a> SlurmQueue<'a> {
             let Some((job, task)) = self.tasks.remove(&index) else { continue };
             let words = self.study.folder.path().join(FOLDER).join(format!("{job}_{task}.txt"));
             self.results.take_made(index, || words_of_task(&job, task, &words))?;
-            self.forget(&job)?;
         }
+        self.forget_ended()?;
         self.results.show(running, waiting);
         Ok(())
     }
 
-    /// Forgets an array all of whose tasks have ended.
-    fn forget(&mut self, job: &str) -> Result<(), StudyError> {
-        if self.tasks.values().any(|(other, _)| other == job) {
+    /// Numbers of the arrays that have tasks which may not have ended.
+    fn jobs(&self) -> BTreeSet<&str> {
+        self.tasks.values().map(|(job, _)| job.as_str()).collect()
+    }
+
+    /// Forgets arrays all of whose tasks have ended.
+    fn forget_ended(&mut self) -> Result<(), StudyError> {
+        let jobs = self.jobs();
+        let is_over = |array: &JobArray| !jobs.contains(array.job.as_str());
+        if !self.arrays.iter().any(is_over) {
             return Ok(());
         }
-        self.arrays.retain(|array| array.job != job);
+        let left = self.arrays.iter().filter(|array| !is_over(array)).cloned().collect();
+        self.arrays = left;
         self.note()
     }
 
@@ -237,8 +239,7 @@ impl<'a> SlurmQueue<'a> {
     }
 
     fn tell_how_it_goes_on(&self) {
-        let jobs: BTreeSet<&str> = self.tasks.values().map(|(job, _)| job.as_str()).collect();
-        let jobs = jobs.into_iter().collect::<Vec<_>>().join(" ");
+        let jobs = self.jobs().into_iter().collect::<Vec<_>>().join(" ");
         let text = format!(
             "{} runs go on at Slurm; `scancel {jobs}` ends them, the same command collects them",
             self.tasks.len()
