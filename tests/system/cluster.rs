@@ -164,7 +164,9 @@ fn a_study_by_slurm_ends_with_the_table_of_one_on_this_machine() {
     // It gives what failed to Slurm again, and follows from then on.
     until("the follower", || scripts(&home) > given);
     let queue = cluster.queue();
-    let last = queue.iter().rfind(|line| line.ends_with("PENDING")).expect("tasks that wait");
+    // Of the first array: what failed fails again.
+    let waits = |line: &&String| line.starts_with("1_") && line.ends_with("PENDING");
+    let last = queue.iter().rfind(waits).expect("tasks that wait");
     let task = last.split(' ').next().unwrap();
     assert!(cluster.command("scancel").arg(task).status().unwrap().success());
     assert_eq!(following.wait(Duration::from_secs(120)), Some(1));

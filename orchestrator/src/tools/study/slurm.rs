@@ -2,7 +2,8 @@
 //!
 //! The study's folder must be on a file system that the nodes share. Each array has a file of command lines in
 //! it, one a task, and a script. `slurm.json` beside the tables names the arrays whose tasks may not have
-//! ended: a study that was left goes on to collect them.
+//! ended, from before Slurm gets them on: a study that was left, or killed at any time, goes on to collect
+//! them. Slurm's queue tells the script of each task, by which it is known.
 
 use super::folder::FolderUse;
 use super::results::{StudyEnd, StudyResults, last_words};
@@ -31,11 +32,14 @@ const FILES_SEEN: Duration = Duration::from_secs(10);
 /// An array of jobs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct JobArray {
-    /// Its number at Slurm.
-    job: String,
+    /// Its script, by which it is known at Slurm.
+    script: PathBuf,
     /// Names of the runs of its tasks, from task 1 on.
     runs: Vec<String>,
 }
+
+/// A task: the script of its array, and its number there.
+type Task = (PathBuf, usize);
 
 /// The runs of a study while a cluster makes them.
 pub struct SlurmQueue<'a> {
@@ -43,12 +47,14 @@ pub struct SlurmQueue<'a> {
     results: StudyResults<'a>,
     interrupts: &'a AtomicUsize,
     /// Most runs at once.
-    jobs: Option<usize>,
+    at_once: Option<usize>,
     arrays: Vec<JobArray>,
-    /// Runs that Slurm has, by their numbers: job and task.
-    tasks: BTreeMap<usize, (String, usize)>,
+    /// Runs that Slurm has, by their numbers: script and task.
+    tasks: BTreeMap<usize, Task>,
     /// When tasks were found to have ended whose files were not seen yet.
     ended: BTreeMap<usize, Instant>,
+    /// Numbers of the arrays at Slurm, by their scripts.
+    jobs: BTreeMap<PathBuf, String>,
 }
 
 impl<'a> SlurmQueue<'a> {
@@ -63,8 +69,8 @@ impl<'a> SlurmQueue<'a> {
         // Without it, runs that Slurm has are found by the locks of their folders.
         let text = std::fs::read(study.folder.path().join(ARRAYS)).unwrap_or_default();
         let arrays = serde_json::from_slice(&text).unwrap_or_default();
-        let (tasks, ended) = (BTreeMap::new(), BTreeMap::new());
-        Self { study, results, interrupts, jobs, arrays, tasks, ended }
+        let (tasks, ended, numbers) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        Self { study, results, interrupts, at_once: jobs, arrays, tasks, ended, jobs: numbers }
     }
 
     /// Submits all runs that are neither done nor at Slurm, and collects the results. After an interrupt the
@@ -101,12 +107,13 @@ impl<'a> SlurmQueue<'a> {
         let name = |index: usize| self.study.runs[index].name.as_str();
         let numbers: BTreeMap<&str, usize> =
             left.iter().map(|index| (name(*index), *index)).collect();
-        for JobArray { job, runs } in &self.arrays {
+        for JobArray { script, runs } in &self.arrays {
             for (task, run) in (1..).zip(runs) {
-                let task = (job.clone(), task);
+                let task = (script.clone(), task);
                 if let Some(index) = numbers.get(run.as_str())
-                    && queued.contains_key(&task)
+                    && let Some(found) = queued.get(&task)
                 {
+                    self.jobs.insert(script.clone(), found.job.clone());
                     self.tasks.insert(*index, task);
                 }
             }
@@ -167,23 +174,24 @@ impl<'a> SlurmQueue<'a> {
         let array = ArrayScript {
             name: format!("tremie-{}", self.study.name()),
             tasks: runs.len(),
-            at_once: self.jobs,
-            in_turn: is_one_of_several && self.jobs.is_some(),
+            at_once: self.at_once,
+            in_turn: is_one_of_several && self.at_once.is_some(),
             threads: shares.iter().map(|share| share.threads).max().unwrap_or(1),
             folder: folder.clone(),
             options: contents.slurm.options.clone(),
             lines,
         };
         let script = write(&script, &array.text())?;
+        let names = runs.iter().map(|run| self.study.runs[*run].name.clone()).collect();
+        self.arrays.push(JobArray { script: script.clone(), runs: names });
+        self.note()?;
         let job = run_command(Command::new("sbatch").arg("--parsable").arg(&script))?;
         // With a cluster's name behind it where there are several.
         let job = job.trim().split(';').next().unwrap_or_default().to_string();
-        self.tasks.extend((1..).zip(runs).map(|(task, run)| (*run, (job.clone(), task))));
-        let names = runs.iter().map(|run| self.study.runs[*run].name.clone()).collect();
-        self.arrays.push(JobArray { job: job.clone(), runs: names });
-        self.note()?;
+        self.tasks.extend((1..).zip(runs).map(|(task, run)| (*run, (script.clone(), task))));
         let text = format!("Slurm has {} runs as job {job}; {}", runs.len(), script.display());
         self.results.terminal.say(&text);
+        self.jobs.insert(script, job);
         Ok(())
     }
 
@@ -193,7 +201,7 @@ impl<'a> SlurmQueue<'a> {
         let (mut running, mut waiting) = (0, 0);
         let mut gone = Vec::new();
         for (&index, task) in &self.tasks {
-            match queued.get(task) {
+            match queued.get(task).map(|found| found.state) {
                 Some(TaskState::Waiting) => waiting += 1,
                 Some(TaskState::Running) => running += 1,
                 None => gone.push(index),
@@ -206,7 +214,8 @@ impl<'a> SlurmQueue<'a> {
             if !is_seen && ended.elapsed() < FILES_SEEN {
                 continue;
             }
-            let Some((job, task)) = self.tasks.remove(&index) else { continue };
+            let Some((script, task)) = self.tasks.remove(&index) else { continue };
+            let job = self.jobs.get(&script).cloned().unwrap_or_default();
             let words = self.study.folder.path().join(FOLDER).join(format!("{job}_{task}.txt"));
             self.results.take_made(index, || words_of_task(&job, task, &words))?;
         }
@@ -215,15 +224,15 @@ impl<'a> SlurmQueue<'a> {
         Ok(())
     }
 
-    /// Numbers of the arrays that have tasks which may not have ended.
-    fn jobs(&self) -> BTreeSet<&str> {
-        self.tasks.values().map(|(job, _)| job.as_str()).collect()
+    /// Scripts of the arrays that have tasks which may not have ended.
+    fn scripts(&self) -> BTreeSet<&PathBuf> {
+        self.tasks.values().map(|(script, _)| script).collect()
     }
 
     /// Forgets arrays all of whose tasks have ended.
     fn forget_ended(&mut self) -> Result<(), StudyError> {
-        let jobs = self.jobs();
-        let is_over = |array: &JobArray| !jobs.contains(array.job.as_str());
+        let scripts = self.scripts();
+        let is_over = |array: &JobArray| !scripts.contains(&array.script);
         if !self.arrays.iter().any(is_over) {
             return Ok(());
         }
@@ -239,7 +248,8 @@ impl<'a> SlurmQueue<'a> {
     }
 
     fn tell_how_it_goes_on(&self) {
-        let jobs = self.jobs().into_iter().collect::<Vec<_>>().join(" ");
+        let jobs = self.scripts().into_iter().filter_map(|script| self.jobs.get(script));
+        let jobs = jobs.map(String::as_str).collect::<Vec<_>>().join(" ");
         let text = format!(
             "{} runs go on at Slurm; `scancel {jobs}` ends them, the same command collects them",
             self.tasks.len()
@@ -293,20 +303,29 @@ enum TaskState {
     Running,
 }
 
-/// All of the user's tasks that have not ended: job and task of each.
-fn queued() -> Result<BTreeMap<(String, usize), TaskState>, StudyError> {
-    let arguments = ["--me", "--array", "--noheader", "--format=%F %K %T"];
+/// A task as Slurm's queue has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct QueuedTask {
+    /// Number of its array.
+    job: String,
+    state: TaskState,
+}
+
+/// All of the user's tasks that have not ended.
+fn queued() -> Result<BTreeMap<Task, QueuedTask>, StudyError> {
+    let arguments = ["--me", "--array", "--noheader", "--format=%F %K %T %o"];
     let text = run_command(Command::new("squeue").args(arguments))?;
     Ok(text.lines().filter_map(task_of_line).collect())
 }
 
-/// A line of the queue: job, task, state; `None` for what is no task of an array.
-fn task_of_line(line: &str) -> Option<((String, usize), TaskState)> {
-    let mut words = line.split_whitespace();
+/// A line of the queue: job, task, state and script; `None` for what is no task of an array.
+fn task_of_line(line: &str) -> Option<(Task, QueuedTask)> {
+    let mut words = line.splitn(4, ' ');
     let (job, task, state) = (words.next()?, words.next()?.parse().ok()?, words.next()?);
+    let script = words.next()?.trim_end().into();
     let is_running = matches!(state, "RUNNING" | "COMPLETING" | "SUSPENDED" | "STAGE_OUT");
     let state = if is_running { TaskState::Running } else { TaskState::Waiting };
-    Some(((job.to_string(), task), state))
+    Some(((script, task), QueuedTask { job: job.to_string(), state }))
 }
 
 /// What a task said that failed, with Slurm's word on it, as long as Slurm remembers.
@@ -375,9 +394,12 @@ mod tests {
     #[test]
     fn tasks_are_read_from_the_queue() {
         let task = |line| task_of_line(line);
-        assert_eq!(task("17 3 RUNNING"), Some((("17".into(), 3), TaskState::Running)));
-        assert_eq!(task("17 4 PENDING"), Some((("17".into(), 4), TaskState::Waiting)));
-        assert_eq!(task("18 N/A RUNNING"), None);
+        let found = |job: &str, number, state| {
+            Some((("/a b/1.sh".into(), number), QueuedTask { job: job.into(), state }))
+        };
+        assert_eq!(task("17 3 RUNNING /a b/1.sh"), found("17", 3, TaskState::Running));
+        assert_eq!(task("17 4 PENDING /a b/1.sh"), found("17", 4, TaskState::Waiting));
+        assert_eq!(task("18 N/A RUNNING /a b/1.sh"), None);
         assert_eq!(task(""), None);
     }
 }
