@@ -17,7 +17,8 @@
 //!
 //! ```text
 //! f_i(x_B) += w_i r (drho_given + b - <drho carried>)          <>: mean over the face
-//! b        += r/4 (drho_given - <drho(x_B, t)>)                r = s c_s/L, s = 1/4, L: the domain's length
+//! b        += r/4 (drho_given - <drho_F>)                      r = s c_s/L, s = 1/4, L: the domain's length
+//! drho_F    = (3 drho(x_B, t) - drho(x_I, t+1))/2              on the face, half a cell outside of x_B
 //! ```
 //!
 //! `b` makes up for the gradient of the pressure, which the first equation flattens; with a quarter
@@ -128,7 +129,8 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
             unreachable!("an outflow is a face with a pressure");
         };
         let more = *relaxation * (given + *offset - carried);
-        *offset += 0.25 * *relaxation * (given - own);
+        let on_face = 1.5 * own - 0.5 * inner;
+        *offset += 0.25 * *relaxation * (given - on_face);
         team.for_each(items, |_, item| {
             item.gain = Gain::default();
             for (open, before) in cells[item.cells.clone()].iter().zip(&item.before) {

@@ -9,24 +9,35 @@
 //!
 //! with `rho` given and `u = u(x_I)` at a pressure face, `u` given and `rho = rho(x_I)` at a
 //! velocity face (non-equilibrium extrapolation, Guo, Zheng & Shi 2002); or by non-equilibrium
-//! bounce-back (see `zou_he`), `u_t` being that of `x_I` at a pressure face. The prescribed values
-//! hold at the centre of `x_B`, half a cell inside the face. At a pressure face through which the
-//! fluid enters, `u_t = 0`; such cells are counted.
+//! bounce-back (see `zou_he`), `u_t` being that of `x_I` at a pressure face. At a pressure face
+//! through which the fluid enters, `u_t = 0`; such cells are counted.
+//!
+//! The prescribed values hold on the face, half a cell outside of `x_B`. So the cell is given what
+//! lies on the straight line from the face to `x_I`:
+//!
+//! ```text
+//! u(x_B) = (2 u_given + u(x_I))/3        rho(x_B) = (2 rho_given + rho(x_I))/3
+//! ```
+//!
+//! A cell without fluid next to it inside takes the given value itself.
 //!
 //! An *absorbing* pressure face lets sound out. Of the two waves that meet there, the one that
 //! comes in is held to what the given pressure and the mean flow say, instead of the pressure
 //! itself:
 //!
 //! ```text
-//! drho = (drho_I + drho_given)/2 + (v_I - v_mean)/(2 c_s)      v: velocity out of the fluid, of x_I
+//! drho = (drho_I + drho_B)/2 + (v_I - v_mean)/(2 c_s)          v: velocity out of the fluid, of x_I
 //! v    = v_I + c_s (drho_I - drho)
+//! drho_B  = drho_given + d_mean/2                               on the face it is the given one
 //! v_mean += (v - v_mean) s c_s/L                                s = 1/4, L: the domain's length
+//! d_mean += (drho_I - drho - d_mean) s c_s/L
 //! ```
 //!
 //! So a wave of circular frequency `w` is thrown back by `1/sqrt(1 + (2 w L/(s c_s))^2)` (Rudy &
 //! Strikwerda 1980, Poinsot & Lele 1992; the formula from Selle, Nicoud & Poinsot 2004), the
-//! domain's longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` is
-//! each cell's own and starts with the flow. Such faces are NEE in either scheme.
+//! domain's longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` and
+//! `d_mean` are each cell's own; they start with the flow, and with 0. Such faces are NEE in either
+//! scheme.
 //!
 //! # What a velocity face delivers
 //! Next to a wall, the links that would carry fluid along it are the wall's, and the layer between
@@ -38,7 +49,7 @@
 //!
 //! ```text
 //! M  = <rho> u.n sum of (mean factor of the profile over a cell) (open area of the cell)
-//! e += r (M - m) M/M_max^2                                              r = 0.02
+//! e += r (M - m) M/M_max^2                                              r = 0.03
 //! ```
 //!
 //! `<rho>` is the mean density of the fluid: so the volume is right halfway between where the
@@ -76,10 +87,10 @@ use tremie_team::Team;
 const RELAX: f64 = 0.25;
 
 /// Part of the difference of mass by which the velocities of a face change in a step.
-const STEER: f64 = 0.02;
+const STEER: f64 = 0.03;
 
-/// The most by which they may.
-const STEER_LIMIT: f64 = 0.25;
+/// The most by which they may. The first cells take two thirds of it.
+const STEER_LIMIT: f64 = 0.375;
 
 /// Number of cells ahead of its use at which memory is asked for.
 const AHEAD: usize = 8;
@@ -124,11 +135,20 @@ struct OpenItem {
     cells: Range<usize>,
     /// Sum of the shares of its cells that are fluid.
     share: f64,
-    /// For each cell the mean velocity out of the fluid, at absorbing faces; not a number at first.
-    means: Vec<f64>,
+    /// For each cell of an absorbing face.
+    means: Vec<MeanFlow>,
     gain: Gain,
     /// Cells of pressure faces through which fluid enters.
     entering: usize,
+}
+
+/// What an absorbing face knows of the flow through a cell, without its sound.
+#[derive(Clone, Copy, Debug)]
+struct MeanFlow {
+    /// Velocity out of the fluid; not a number at first.
+    velocity: f64,
+    /// Density of the next cell inside less that of the cell.
+    difference: f64,
 }
 
 /// Cells that wait to be extrapolated together.
@@ -175,7 +195,7 @@ impl OpenFace {
         };
         let item = |cells: Range<usize>| OpenItem {
             share: 0.0,
-            means: vec![f64::NAN; cells.len()],
+            means: vec![MeanFlow { velocity: f64::NAN, difference: 0.0 }; cells.len()],
             cells,
             gain: Gain::default(),
             entering: 0,
@@ -251,12 +271,13 @@ impl<T: Real> FaceScheme<T> for OpenFace {
         if self.relax == 0.0 {
             return Ok(());
         }
-        let mut means: Vec<f64> = self.items.iter().flat_map(|item| &item.means).copied().collect();
-        state.array("means", &mut means)?;
-        let mut rest = means.as_slice();
-        for item in &mut self.items {
-            let own = rest.split_off(..item.means.len()).unwrap_or_default();
-            item.means.copy_from_slice(own);
+        let means = self.items.iter().flat_map(|item| &item.means);
+        let mut values: Vec<f64> =
+            means.flat_map(|mean| [mean.velocity, mean.difference]).collect();
+        state.array("means", &mut values)?;
+        let means = self.items.iter_mut().flat_map(|item| &mut item.means);
+        for (mean, value) in means.zip(values.chunks_exact(2)) {
+            *mean = MeanFlow { velocity: value[0], difference: value[1] };
         }
         Ok(())
     }
@@ -266,6 +287,12 @@ impl<T: Real> FaceScheme<T> for OpenFace {
 /// sound passes and the mean is held: in a domain of so many cells along the face's axis.
 pub fn relaxation(length: i32) -> f64 {
     RELAX * CS2.sqrt() / f64::from(length)
+}
+
+/// A value in the middle of a face's first cell, on the straight line from the one on the face to
+/// the one in the middle of the next cell inside, if there is fluid.
+fn beside_face(face: f64, inside: Option<f64>) -> f64 {
+    inside.map_or(face, |inside| (2.0 * face + inside) / 3.0)
 }
 
 /// The product of `4 s (1 - s)` over the face's edges that do not wrap around, at the centre of a
@@ -410,15 +437,17 @@ impl<T: Real> FaceView<'_, T> {
 
     /// Density, less 1, and velocity at an absorbing face with density `given`, from those of the
     /// next cell inside.
-    fn absorb(&self, mean: &mut f64, given: f64, drho: f64, u: [f64; 3]) -> (f64, [f64; 3]) {
+    fn absorb(&self, mean: &mut MeanFlow, given: f64, drho: f64, u: [f64; 3]) -> (f64, [f64; 3]) {
         let (axis, outward) = (self.inward.axis, -f64::from(self.inward.sign));
         let (v, sound) = (u[axis] * outward, CS2.sqrt());
-        if mean.is_nan() {
-            *mean = v;
+        if mean.velocity.is_nan() {
+            mean.velocity = v;
         }
-        let here = 0.5 * (drho + given) + 0.5 * (v - *mean) / sound;
+        let given = given + 0.5 * mean.difference;
+        let here = 0.5 * (drho + given) + 0.5 * (v - mean.velocity) / sound;
         let out = v + sound * (drho - here);
-        *mean += self.relax * (out - *mean);
+        mean.velocity += self.relax * (out - mean.velocity);
+        mean.difference += self.relax * (drho - here - mean.difference);
         let mut velocity = u;
         velocity[axis] = out * outward;
         (here, velocity)
@@ -434,12 +463,19 @@ impl<T: Real> FaceView<'_, T> {
         item: &mut OpenItem,
     ) -> (f64, [f64; 3]) {
         match self.value {
-            BoundaryValue::Wall(given) => (drho, self.steered(open, given)),
+            BoundaryValue::Wall(given) => {
+                let given = self.steered(open, given);
+                let inside = self.next.inner(&open.at).map(|_| u);
+                (drho, std::array::from_fn(|a| beside_face(given[a], inside.map(|u| u[a]))))
+            }
             BoundaryValue::Density(given) if self.relax > 0.0 => {
                 let (drho, u) = self.absorb(&mut item.means[number], given, drho, u);
                 (drho, self.limited(u, item))
             }
-            BoundaryValue::Density(given) => (given, self.limited(u, item)),
+            BoundaryValue::Density(given) => {
+                let inside = self.next.inner(&open.at).map(|_| drho);
+                (beside_face(given, inside), self.limited(u, item))
+            }
         }
     }
 
@@ -455,17 +491,19 @@ impl<T: Real> FaceView<'_, T> {
         let n = f64::from(sign);
         let half = self.next.acceleration.map(|a| 0.5 * a);
         let s = self.inward.known_sum(&old);
+        let inner = self.next.inner(&open.at).map(|cell| Content::of(&self.next.populations(cell)));
+        let velocity = inner.as_ref().map(|inner| inner.velocity(self.next.acceleration));
         // `u` is the momentum over the density: without half the step's force.
         let (drho, u) = match self.value {
             BoundaryValue::Wall(given) => {
                 let given = self.steered(open, given);
-                let u: [f64; 3] = std::array::from_fn(|a| given[a] - half[a]);
+                let given = |a: usize| beside_face(given[a], velocity.map(|u| u[a]));
+                let u: [f64; 3] = std::array::from_fn(|a| given(a) - half[a]);
                 ((s + u[axis] * n) / (1.0 - u[axis] * n), u)
             }
-            BoundaryValue::Density(drho) => {
-                let inner = self.next.inner(&open.at).map(|cell| self.next.populations(cell));
-                let velocity = |h: &[f64; Q]| Content::of(h).velocity(self.next.acceleration);
-                let mut u = inner.as_ref().map_or([0.0; 3], velocity);
+            BoundaryValue::Density(given) => {
+                let drho = beside_face(given, inner.map(|inner| inner.drho));
+                let mut u = velocity.unwrap_or_default();
                 u[axis] = n * (drho - s) / (1.0 + drho) + half[axis];
                 let u = self.limited(u, item);
                 (drho, std::array::from_fn(|a| u[a] - half[a]))

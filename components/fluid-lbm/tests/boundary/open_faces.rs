@@ -40,8 +40,8 @@ fn closes_to(fluid: &LbmFluid, momentum: f64, mass: f64) {
 }
 
 /// Flow between walls by a difference of pressure, `u = dp/dx y (H - y)/(2 mu)`, the pressures
-/// holding at the centres of the end cells: to 0.5 % of the peak in the middle of the channel,
-/// which is the effect of compressibility and of the ends.
+/// holding on the end faces: to 0.5 % of the peak in the middle of the channel, which is the effect
+/// of compressibility and of the ends.
 #[test]
 fn poiseuille_by_pressure() {
     for scheme in SCHEMES {
@@ -57,7 +57,7 @@ fn poiseuille_by_pressure() {
             }
             closes(&fluid);
             let along = (axis + 1) % 3;
-            let (h, gradient) = (height as f64, drop / (length as f64 - 1.0));
+            let (h, gradient) = (height as f64, drop / length as f64);
             let peak = gradient * h * h / (8.0 * case.viscosity());
             for k in 0..height {
                 let mut cell = [1; 3];
@@ -112,6 +112,72 @@ fn a_parabola_passes_through() {
     }
 }
 
+/// Values hold on the faces, not in the middle of their first cells. A channel twice as long as
+/// high, with 6 and with 12 cells across, the same Reynolds number: the flow between two pressures,
+/// and the pressure on an inlet through which a parabola enters. Half a cell would be a twelfth of
+/// the first channel, and half of that of the second; the errors are below 2 %, and fall by more
+/// than three times from one to the other.
+#[test]
+fn faces_are_of_second_order() {
+    for scheme in SCHEMES {
+        let [coarse, fine] = [6, 12].map(|height| errors_of_faces(scheme, height));
+        println!("{scheme:?}: {coarse:?} {fine:?}");
+        for (coarse, fine) in coarse.into_iter().zip(fine) {
+            assert!(coarse < 0.02 && fine < coarse / 3.0, "{scheme:?}: {coarse} {fine}");
+        }
+    }
+}
+
+/// Relative errors of the flow rate that two pressures drive, and of the pressure that a parabolic
+/// inlet needs.
+fn errors_of_faces(scheme: OpenFaces, height: usize) -> [f64; 2] {
+    let (h, length) = (height as f64, 2 * height);
+    let peak = 0.012 / h;
+    let steady = |ends: [Face; 2]| {
+        let (mut case, scene) = channel(0, height, length, ends);
+        case.open_faces = scheme;
+        let mut fluid = case.fluid_of(&scene);
+        for _ in 0..100 * height * height {
+            fluid.step(&[], &mut []).unwrap();
+        }
+        fluid
+    };
+    let viscosity = Case::new([1; 3], [PERIODIC; 3], 0.8).viscosity();
+    let drop = 8.0 * viscosity * peak / (h * h) * length as f64;
+    let rows = |fluid: &LbmFluid, x: usize, f: fn(&LbmFluid, [usize; 3]) -> f64| {
+        (0..height).map(|y| f(fluid, [y, x, 1])).sum::<f64>() / h
+    };
+    let driven = steady([pressure(drop), pressure(0.0)]);
+    let rate = rows(&driven, length / 2, |fluid, cell| fluid.velocity_at(cell)[1]);
+    let inlet = velocity([0.0, peak, 0.0], Profile::Parabolic);
+    let fed = steady([inlet, pressure(0.0)]);
+    let [first, second] = [1, 2].map(|x| rows(&fed, x, LbmFluid::pressure_at));
+    let on_face = 2.5 * first - 1.5 * second;
+    [(rate / (peak * 2.0 / 3.0) - 1.0).abs(), (on_face / drop - 1.0).abs()]
+}
+
+/// A lid that is an open face, moving along itself, drags fluid between it and a wall: the profile
+/// is straight from the wall to the face, to 1e-6 of the lid's speed.
+#[test]
+fn a_face_that_moves_along_itself_drags_from_where_it_stands() {
+    for scheme in SCHEMES {
+        let (height, speed) = (8, 0.01);
+        let mut case = Case::new([3, height, 3], [PERIODIC, WALL, PERIODIC], 0.8);
+        case.open_faces = scheme;
+        let mut scene = case.scene();
+        scene.domain.faces[1][1] = velocity([speed, 0.0, 0.0], Profile::Uniform);
+        let mut fluid = case.fluid_of(&scene);
+        for _ in 0..6000 {
+            fluid.step(&[], &mut []).unwrap();
+        }
+        for k in 0..height {
+            let found = fluid.velocity_at([1, k, 1])[0] / speed;
+            let expected = (k as f64 + 0.5) / height as f64;
+            assert!((found - expected).abs() < 1e-6, "{scheme:?} {k}: {found} {expected}");
+        }
+    }
+}
+
 /// A stream through a box of open faces, along each axis in either direction, stays what it is: to
 /// 1e-12, mirrors along its sides.
 #[test]
@@ -158,7 +224,7 @@ fn a_course_is_followed() {
     for step in 0..20_000 {
         fluid.step(&[], &mut []).unwrap();
         if step == 49 {
-            let found = fluid.pressure_at([19, 2, 2]);
+            let found = 1.5 * fluid.pressure_at([19, 2, 2]) - 0.5 * fluid.pressure_at([18, 2, 2]);
             assert!((found - 0.5e-3).abs() < 1e-12, "{found}");
         }
     }
@@ -347,8 +413,11 @@ fn a_channel_ends_at_a_convective_face() {
                 assert!((found - wanted).abs() < 0.01, "{axis} {x} {y}: {found} {wanted}");
             }
         }
-        let end = (0..height).map(|y| fluid.pressure_at(cell(length - 1, y))).sum::<f64>();
-        let (end, ledger) = (end / height as f64, fluid.ledger());
+        let mean = |x: usize| {
+            (0..height).map(|y| fluid.pressure_at(cell(x, y))).sum::<f64>() / height as f64
+        };
+        let end = 1.5 * mean(length - 1) - 0.5 * mean(length - 2);
+        let ledger = fluid.ledger();
         println!("axis {axis}: pressure {end}, mass gained {:e}", ledger.mass_open);
         assert!((end / given - 1.0).abs() < 1e-4, "{end}");
         assert!(ledger.mass_open.abs() < 1e-6 * peak * height as f64, "{}", ledger.mass_open);

@@ -89,6 +89,9 @@ pub struct Check {
     pub value: Option<Measure>,
     /// Divisor of the number.
     pub over: Option<Measure>,
+    /// The same number of a run whose cells are twice as large. The result is then carried on to
+    /// cells of size zero, for errors of second order (Richardson's extrapolation).
+    pub coarser: Option<Measure>,
     /// The reference for it.
     pub expected: Option<f64>,
     /// Or bounds for it.

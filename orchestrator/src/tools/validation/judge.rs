@@ -124,6 +124,9 @@ fn scalar(
     if let Some(over) = &check.over {
         found /= measured(over)?;
     }
+    if let Some(coarser) = &check.coarser {
+        found += (found - measured(coarser)?) / 3.0;
+    }
     let tolerance = check.tolerance(short);
     let (reference, passed) = match (check.expected, check.bounds(short)) {
         (Some(expected), _) => (
@@ -212,6 +215,22 @@ mod tests {
         let long = scalar(&check(text), false, &signals(), &[]).unwrap();
         assert!(long.passed && long.found == 2.0, "{long}");
         assert!(!scalar(&check(text), true, &signals(), &[]).unwrap().passed);
+    }
+
+    #[test]
+    fn a_result_is_carried_on_to_cells_of_size_zero() {
+        let text = r#"
+            name = "limit"
+            value = { signal = "a.b", take = "last" }
+            coarser = { signal = "a.b", take = "last", run = "coarse" }
+            expected = 2.0
+            tolerance = 1e-12"#;
+        // 2 + h^2, of cells of 1 and 2.
+        let column = ("a.b".to_string(), vec![6.0]);
+        let coarse = Signals { times: vec![0.0], columns: [column].into(), ..Signals::default() };
+        let before = [("coarse".to_string(), coarse)];
+        let found = scalar(&check(text), false, &signals(), &before).unwrap();
+        assert!(found.passed && found.found == 2.0, "{found}");
     }
 
     #[test]
