@@ -2,6 +2,8 @@
 
 use crate::running::Running;
 use crate::tremie::{SMALL, tremie};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::{Field, Row};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -64,6 +66,13 @@ impl Home {
         std::fs::read_to_string(self.path().join(out).join(name)).unwrap()
     }
 
+    /// Rows of the typed table of the study in a folder.
+    fn typed(&self, out: &str) -> Vec<Row> {
+        let file = std::fs::File::open(self.path().join(out).join("runs.parquet")).unwrap();
+        let reader = SerializedFileReader::new(file).unwrap();
+        reader.get_row_iter(None).unwrap().map(Result::unwrap).collect()
+    }
+
     /// Folders of runs that have a summary.
     pub fn ended(&self, out: &str) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(self.path().join(out).join("runs"));
@@ -78,6 +87,31 @@ pub fn errors(output: &Output) -> String {
 
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// A field of a typed table as a cell of the other.
+fn cell(field: &Field) -> String {
+    match field {
+        Field::Null => String::new(),
+        Field::Long(number) => number.to_string(),
+        Field::Str(text) => text.clone(),
+        Field::Double(number) => serde_json::Number::from_f64(*number).unwrap().to_string(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The typed table has the heads and cells of the other, numbers as numbers.
+fn holds_the_same(typed: &[Row], table: &str) {
+    let mut lines = table.lines();
+    let heads: Vec<_> = lines.next().unwrap().split(',').map(String::from).collect();
+    let wanted: Vec<Vec<_>> =
+        lines.map(|line| line.split(',').map(String::from).collect()).collect();
+    assert_eq!(typed.len(), wanted.len());
+    for (row, wanted) in typed.iter().zip(wanted) {
+        let (names, cells): (Vec<_>, Vec<_>) =
+            row.get_column_iter().map(|(name, field)| (name.clone(), cell(field))).unzip();
+        assert_eq!((names, cells), (heads.clone(), wanted));
+    }
 }
 
 /// Rows of a table, without the heading.
@@ -116,6 +150,16 @@ fn a_study_makes_a_row_for_each_run() {
         rows[0][7].parse::<f64>().unwrap() > rows[2][7].parse::<f64>().unwrap(),
         "thick oil is slower"
     );
+    let typed = home.typed("out");
+    holds_the_same(&typed, &table);
+    let numbers = |row: &Row| {
+        row.get_column_iter()
+            .map(|(_, field)| matches!(field, Field::Double(_)))
+            .collect::<Vec<_>>()
+    };
+    // Point, seed, viscosity with its unit, friction, restitution, run, status; three of the four columns.
+    let are = [false, false, false, true, true, false, false, true, true, true, false];
+    assert_eq!(numbers(&typed[0]), are);
     let times = home.table("out", "times.csv");
     assert!(times.starts_with("point,seed,run,wall_time [s]\n1,,"), "{times}");
     assert_eq!(times.lines().count(), 5);
@@ -170,6 +214,8 @@ fn a_study_that_is_killed_goes_on_to_the_same_table() {
         let output = home.study(&["--out", &out]);
         assert!(output.status.success(), "{}", errors(&output));
         assert_eq!(home.table(&out, "runs.csv"), home.table("whole", "runs.csv"), "{out}");
+        let typed = |out: &str| std::fs::read(home.path().join(out).join("runs.parquet")).unwrap();
+        assert!(typed(&out) == typed("whole"), "{out}");
     }
 }
 
@@ -223,6 +269,7 @@ fn a_point_that_fails_is_told_and_the_others_are_made() {
     let statuses: Vec<_> = rows.iter().map(|row| row[6].as_str()).collect();
     assert_eq!(statuses, ["completed", "failed", "completed"]);
     assert_eq!(rows[1][7..], ["", "", "", ""]);
+    holds_the_same(&home.typed("out"), &home.table("out", "runs.csv"));
     let output = home.study(&["--out", "out"]);
     assert!(errors(&output).contains("1 made now, 1 failed"), "{}", errors(&output));
 }

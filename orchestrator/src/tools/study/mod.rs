@@ -4,13 +4,14 @@
 //! combinations of the axes are its points (`axes`, `points`); each point is one run, or several
 //! with other seeds (`runs`). Runs are processes of this program (`queue`, `threads`), or tasks of a
 //! cluster (`slurm`), in the study's folder (`folder`). Their signals become columns (`columns`) of a
-//! table (`results`, `table`) and plots (`plots`).
+//! table (`results`, `table`, `parquet_table`) and plots (`plots`).
 
 mod axes;
 mod columns;
 mod contents;
 mod file;
 mod folder;
+mod parquet_table;
 mod plots;
 mod points;
 mod queue;
@@ -29,7 +30,7 @@ pub use queue::RunQueue;
 pub use results::StudyEnd;
 pub use runs::StudyRun;
 pub use slurm::SlurmQueue;
-pub use table::{RunResults, TABLE};
+pub use table::{RunResults, TABLE, TYPED_TABLE};
 pub use threads::ThreadShare;
 
 use crate::manifest::{Manifest, ManifestErrors};

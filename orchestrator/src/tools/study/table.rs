@@ -1,15 +1,18 @@
-//! Tables of a study: `runs.csv` with the results, `times.csv` with wall times.
+//! Tables of a study: `runs.csv` and `runs.parquet` with the results, `times.csv` with wall times.
 
 use super::StudyError;
 use super::axes::value_text;
 use super::columns::StudyColumn;
 use super::contents::StudyContents;
 use super::folder::{RunOutcome, StudyFolder};
+use super::parquet_table::parquet_table;
 use super::runs::StudyRun;
 use tremie_results::{SIGNALS, Signals};
 
 /// The table of runs.
 pub const TABLE: &str = "runs.csv";
+/// The same table with types.
+pub const TYPED_TABLE: &str = "runs.parquet";
 /// The table of wall times. They differ from one time to the next, and so stand apart.
 pub const TIMES: &str = "times.csv";
 
@@ -43,7 +46,7 @@ impl RunResults {
     }
 }
 
-/// Writes both tables anew, with a row for each run that has ended, in the order of the points.
+/// Writes all tables anew, with a row for each run that has ended, in the order of the points.
 ///
 /// # Errors
 /// If the disk refuses.
@@ -61,6 +64,12 @@ pub fn write_tables(
     };
     let table = results_table(contents, columns, runs, results);
     folder.write(TABLE, &table.map_err(|error| wrong(TABLE, error))?)?;
+    let rows: Vec<_> = ended(runs, results).collect();
+    let typed = parquet_table(contents, columns, &rows).map_err(|error| StudyError::Io {
+        path: at(TYPED_TABLE),
+        error: std::io::Error::other(error),
+    })?;
+    folder.write(TYPED_TABLE, &typed)?;
     let times = times_table(runs, results).map_err(|error| wrong(TIMES, error))?;
     folder.write(TIMES, &times)
 }
