@@ -145,6 +145,22 @@ fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
+/// What `tremie valve --paper` says of statements with one run: no peak at 10 ms, and nothing of
+/// what takes a series. Without `--paper` it reads one run.
+fn holds_against_the_paper(ran: &Ran) {
+    let said = tremie().args(["valve", "--paper", "--json"]).arg(&ran.out).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let statements: Vec<serde_json::Value> = serde_json::from_slice(&said.stdout).unwrap();
+    for (statement, number) in statements.iter().zip(1..) {
+        let verdict = if number == 4 { "not_reproduced" } else { "not_reached" };
+        assert!(statement["number"] == number && statement["verdict"] == verdict, "{statement}");
+    }
+    assert_eq!(statements.len(), 17);
+    let refused = tremie().arg("valve").args([&ran.out, &ran.out]).output().unwrap();
+    let words = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && words.contains("2 runs are given"), "{words}");
+}
+
 /// What `tremie valve` reads of a run.
 fn reading(ran: &Ran) -> serde_json::Value {
     let said =
@@ -162,6 +178,7 @@ fn pressure_valve() {
     let earlier = "scene.domain.z.lower.reservoir.stop=\"16 ms\"";
     let options = ["--quiet", "--set", earlier, "--until", "26 ms"];
     let ran = run("examples/pressure-valve", &options).succeeded();
+    holds_against_the_paper(&ran);
     let signals = ran.signals();
     let (time, lift) = (&signals["time"], &signals["grains.valve.lift"]);
     let compression = &signals["rubber.ring.compression"];

@@ -1,7 +1,7 @@
 //! The command line of `tremie`.
 
 use super::steer_args::SteerCommand;
-use crate::registry::{OnArguments, OnRun, PackageCommand, READERS, SCENES, TOOLS};
+use crate::registry::{OnArguments, OnRuns, PackageCommand, READERS, SCENES, TOOLS};
 use crate::tools::conform::ConformArgs;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::num::NonZeroUsize;
@@ -74,8 +74,8 @@ pub enum Asked {
     Own(Command),
     /// A command of a package.
     OfPackage(OnArguments, ArgMatches),
-    /// A reader of a finished run, in this folder.
-    Reader(OnRun, PathBuf, ArgMatches),
+    /// A reader of finished runs, in these folders.
+    Reader(OnRuns, Vec<PathBuf>, ArgMatches),
 }
 
 /// The whole command line, with the commands of packages.
@@ -87,8 +87,9 @@ fn whole() -> clap::Command {
         .subcommands(SCENES.iter().map(|scene| added(scene, clap::Command::new(scene.name))));
     let out = clap::Arg::new("OUT")
         .required(true)
+        .num_args(1..)
         .value_parser(clap::value_parser!(PathBuf))
-        .help("Folder of a finished run");
+        .help("Folder of a finished run, or of a study");
     let reader = |reader| added(reader, clap::Command::new(reader.name).arg(out.clone()));
     Cli::command()
         .subcommand(scene)
@@ -122,7 +123,7 @@ fn of_matches(mut matches: ArgMatches) -> Result<Asked, clap::Error> {
         return Ok(Asked::OfPackage(tool.work, inner.clone()));
     }
     if let Some(reader) = named(READERS, name) {
-        let out = inner.get_one::<PathBuf>("OUT").expect("clap demands it").clone();
+        let out = inner.get_many::<PathBuf>("OUT").expect("clap demands it").cloned().collect();
         return Ok(Asked::Reader(reader.work, out, inner.clone()));
     }
     Ok(Asked::Own(Cli::from_arg_matches_mut(&mut matches)?.command))

@@ -177,19 +177,27 @@ pub struct PackageCommand<Work> {
 
 /// Work on arguments alone.
 pub type OnArguments = fn(&ArgMatches) -> Result<String, CommandError>;
-/// Work on a run that has ended, and arguments.
-pub type OnRun = fn(&FinishedRun, &ArgMatches) -> Result<String, CommandError>;
+/// Work on runs that have ended, one or more, and arguments.
+pub type OnRuns = fn(&[FinishedRun], &ArgMatches) -> Result<String, CommandError>;
 
 /// Scenes that are built from numbers: `tremie scene NAME FOLDER`.
-pub const SCENES: &[PackageCommand<OnArguments>] = &[PackageCommand {
-    name: "pressure-valve",
-    about: "A spring-loaded valve with a rubber seal, beside a conduit",
-    arguments: pressure_valve::scene::SceneArgs::augment_args,
-    work: pressure_valve::scene::build,
-}];
+pub const SCENES: &[PackageCommand<OnArguments>] = &[
+    PackageCommand {
+        name: "pressure-valve",
+        about: "A spring-loaded valve with a rubber seal, beside a conduit",
+        arguments: pressure_valve::scene::SceneArgs::augment_args,
+        work: pressure_valve::scene::build_pressure_valve,
+    },
+    PackageCommand {
+        name: "safety-valve",
+        about: "The same valve beside a conduit that goes on, behind an orifice: it opens at high flow rates",
+        arguments: pressure_valve::scene::SceneArgs::augment_args,
+        work: pressure_valve::scene::build_safety_valve,
+    },
+];
 
-/// Readers of finished runs: `tremie NAME OUT`.
-pub const READERS: &[PackageCommand<OnRun>] = &[PackageCommand {
+/// Readers of finished runs: `tremie NAME OUT...`.
+pub const READERS: &[PackageCommand<OnRuns>] = &[PackageCommand {
     name: "valve",
     about: "Read a valve out of a finished run: when it cracks and reseats, its flow coefficient, forces, what is stuck",
     arguments: pressure_valve::results::ValveArgs::augment_args,

@@ -1,10 +1,11 @@
 //! Characteristics of a valve in a finished run, for its designer: `tremie valve OUT`.
 //!
 //! [`valve_signals`] finds the valve's signals, [`characteristics`] reads moments, means and curves
-//! out of them.
+//! out of them. [`paper`] holds runs against the statements of Mutabaruka and Kamrin.
 
 pub mod characteristics;
 pub mod debris;
+pub mod paper;
 pub mod valve_signals;
 
 use characteristics::{Characteristics, Moment, Site, Stretch, characteristics, curves};
@@ -41,18 +42,38 @@ pub struct ValveArgs {
     /// File of the picture [default: valve.svg in the folder]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
+    /// Hold runs, or all of a study, against what Mutabaruka and Kamrin say of the valve
+    #[arg(long)]
+    pub paper: bool,
     /// Print one JSON document instead of a table
     #[arg(long)]
     pub json: bool,
 }
 
-/// A table, and a picture of pressure drop, rate of flow and lift over each other.
+/// A table, and a picture of pressure drop, rate of flow and lift over each other; or the
+/// statements of the paper, held against several runs.
 ///
 /// # Errors
 /// If the run has no valve, or more than one and the arguments do not say which.
-pub fn read(run: &FinishedRun, matches: &ArgMatches) -> Result<String, CommandError> {
+pub fn read(runs: &[FinishedRun], matches: &ArgMatches) -> Result<String, CommandError> {
     let arguments = ValveArgs::from_arg_matches(matches).map_err(CommandError::input)?;
+    if arguments.paper {
+        return on_paper(runs, arguments.json).map_err(CommandError::input);
+    }
+    let [run] = runs else {
+        let text = format!("{} runs are given; without --paper one is read", runs.len());
+        return Err(CommandError::input(text));
+    };
     answer(run, &arguments).map_err(CommandError::input)
+}
+
+fn on_paper(runs: &[FinishedRun], json: bool) -> Result<String, String> {
+    let statements = paper::statements(runs);
+    if json {
+        let all = serde_json::to_string(&statements).map_err(|error| error.to_string())?;
+        return Ok(all + "\n");
+    }
+    Ok(paper::statements_table(&statements))
 }
 
 fn answer(run: &FinishedRun, arguments: &ValveArgs) -> Result<String, String> {

@@ -1,4 +1,4 @@
-//! `tremie scene pressure-valve FOLDER`: parts and manifests from numbers.
+//! `tremie scene pressure-valve FOLDER` and `safety-valve`: parts and manifests from numbers.
 
 use super::{Closure, Dimensions, Grains, Resting, Ring, Steady, Working};
 use clap::{ArgMatches, Args, FromArgMatches};
@@ -13,7 +13,7 @@ use tremie_rubber_table::make::make;
 use tremie_rubber_table::spec::Spec;
 use tremie_rubber_table::table::Table;
 
-/// Arguments of `tremie scene pressure-valve`.
+/// Arguments of `tremie scene pressure-valve` and `safety-valve`.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// Folder for the parts and manifests
@@ -32,14 +32,26 @@ pub struct SceneArgs {
     pub cell: Option<Length>,
 }
 
-/// Writes the parts and manifests of the valve; returns a list of the files and some derived
+/// Writes the parts and manifests of a pressure valve; returns a list of the files and some derived
 /// numbers.
 ///
 /// # Errors
 /// [`CommandError::Input`], if the numbers do not make a valve.
-pub fn build(matches: &ArgMatches) -> Result<String, CommandError> {
+pub fn build_pressure_valve(matches: &ArgMatches) -> Result<String, CommandError> {
+    build(matches, Closure::Pressure)
+}
+
+/// The same for a safety valve.
+///
+/// # Errors
+/// See [`build_pressure_valve`].
+pub fn build_safety_valve(matches: &ArgMatches) -> Result<String, CommandError> {
+    build(matches, Closure::Safety)
+}
+
+fn build(matches: &ArgMatches, closure: Closure) -> Result<String, CommandError> {
     let arguments = SceneArgs::from_arg_matches(matches).map_err(CommandError::input)?;
-    let numbers = numbers(&arguments.set)?;
+    let numbers = numbers(&arguments.set, closure)?;
     let works = working(&arguments, numbers.closure);
     let defaults = Steady::default();
     // The valve is held at a lift of its own, in cells as wide as those of the run in which it
@@ -66,7 +78,7 @@ pub fn build(matches: &ArgMatches) -> Result<String, CommandError> {
     write(&folder.join("held.toml"), steady.as_bytes())?;
     write(&folder.join("ring.toml"), specification.as_bytes())?;
     table.write(&folder.join("ring.json")).map_err(CommandError::input)?;
-    let slurry = if arguments.coarse { Grains::coarse() } else { Grains::default() };
+    let slurry = if arguments.coarse { Grains::coarse(numbers.closure) } else { Grains::default() };
     for (name, grains, ring) in [
         ("manifest.toml", None, Ring::Rubber("ring.json", rest)),
         ("rigid.toml", None, Ring::Rigid),
@@ -109,13 +121,15 @@ fn write_parts(numbers: &Dimensions, cell: f64, folder: &Path) -> Result<(), Com
 
 /// The run in which the valve works, with the cells of the command line.
 fn working(arguments: &SceneArgs, closure: Closure) -> Working {
-    let usual = if arguments.coarse { Working::coarse() } else { Working::default() };
+    let usual = if arguments.coarse { Working::coarse(closure) } else { Working::default() };
     Working { cell: arguments.cell.unwrap_or(usual.cell), ..usual }.closed_by(closure)
 }
 
-/// The usual numbers with those of the command line in place of some.
-fn numbers(sets: &[(String, String)]) -> Result<Dimensions, CommandError> {
+/// The usual numbers of a closure with those of the command line in place of some.
+fn numbers(sets: &[(String, String)], closure: Closure) -> Result<Dimensions, CommandError> {
     let mut table = toml::Table::new();
+    let value = toml::Value::try_from(closure).expect("a plain enum has a form in TOML");
+    table.insert("closure".into(), value);
     for (key, value) in sets {
         let read = format!("value = {value}").parse::<toml::Table>();
         let read = read.ok().and_then(|mut table| table.remove("value"));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use tremie_messages::units::{Angle, Density, Length, Mass, Pressure};
+use tremie_messages::units::{Angle, Density, Length, Mass, Pressure, Velocity};
 
 /// Dimensions of a valve, in the valve's frame: y along its axis, zero on the flat of the seat and
 /// up with the lift; z along the conduit, in the direction of the flow; the plane x = 0 a mirror.
@@ -68,6 +68,14 @@ impl Closure {
         Pressure(match self {
             Self::Pressure => 10416.0,
             Self::Safety => 0.0,
+        })
+    }
+
+    /// Velocity of the piston in those of their runs that vary something else [m/s].
+    pub fn piston(self) -> Velocity {
+        Velocity(match self {
+            Self::Pressure => 6.0,
+            Self::Safety => 12.5,
         })
     }
 }

@@ -53,11 +53,15 @@ impl Default for Grains {
 }
 
 impl Grains {
-    /// Larger and softer grains, for cells of 0.6 mm: grains of 0.8 mm are too small for such
-    /// cells.
-    pub fn coarse() -> Self {
+    /// Larger and softer grains, for the wide cells of the coarse forms: grains of 0.8 mm are too
+    /// small for them.
+    pub fn coarse(closure: Closure) -> Self {
         Self {
-            diameter: Length(1.4e-3),
+            diameter: Length(match closure {
+                Closure::Pressure => 1.4e-3,
+                // They pass the orifice, of 4 mm.
+                Closure::Safety => 1.1e-3,
+            }),
             stiffness: Stiffness(1e6),
             time_step: Time(4.8e-8),
             ..Self::default()
@@ -107,7 +111,7 @@ velocity = {{ face = "z_lower" }}
 [[scene.outlets]]
 name = "drain"
 beyond = {{ axis = "y", at = "{drain} mm", side = "upper" }}
-
+{overflow}
 [[scene.contacts]]
 normal_stiffness = "{stiffness} N/m"
 tangential_stiffness = "{tangential} N/m"
@@ -134,6 +138,7 @@ ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{bore_} mm",
         zone = mm(inlet + grains.zone.0),
         fraction = grains.fraction,
         drain = mm(valve.chamber_height.0 - grains.diameters()[1]),
+        overflow = overflow(valve, grains),
         stiffness = grains.stiffness.0,
         tangential = 0.8 * grains.stiffness.0,
         friction = grains.friction,
@@ -159,6 +164,21 @@ restitution = 1.0
         normal = grains.on_rubber.0,
         tangential = 0.8 * grains.on_rubber.0,
         friction = grains.friction,
+    )
+}
+
+/// The outlet behind the orifice of a safety valve.
+fn overflow(valve: &Dimensions, grains: &Grains) -> String {
+    if valve.closure == Closure::Pressure {
+        return String::new();
+    }
+    let at = mm(valve.second_outlet.0 - grains.diameters()[1]);
+    format!(
+        r#"
+[[scene.outlets]]
+name = "overflow"
+beyond = {{ axis = "z", at = "{at} mm", side = "upper" }}
+"#
     )
 }
 

@@ -13,7 +13,7 @@ mod rubber;
 mod text;
 mod working;
 
-pub use command::{SceneArgs, build};
+pub use command::{SceneArgs, build_pressure_valve, build_safety_valve};
 pub use dimensions::{Closure, Dimensions, Misfit};
 pub use frame::frame;
 pub use grains::Grains;

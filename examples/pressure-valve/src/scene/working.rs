@@ -73,20 +73,24 @@ impl Default for Working {
 }
 
 impl Working {
-    /// A form that takes minutes: twice as wide cells, half the speed of sound, and a reservoir as
-    /// compliant as the default's, which is a quarter of its volume.
-    pub fn coarse() -> Self {
+    /// A form that takes minutes: wider cells, half the speed of sound, and a reservoir as compliant
+    /// as the default's, which is a quarter of its volume. The orifice of a safety valve is ten cells
+    /// wide: at seven it passes too little, and the valve opens at too small a flow.
+    pub fn coarse(closure: Closure) -> Self {
         Self {
-            cell: Length(6e-4),
+            cell: Length(match closure {
+                Closure::Pressure => 6e-4,
+                Closure::Safety => 4e-4,
+            }),
             lattice_speed: Velocity(1250.0),
             reservoir: Volume(1e-3),
             ..Self::default()
         }
     }
 
-    /// The same with the pressure above the valve that belongs to a closure.
+    /// The same with the pressure above the valve, and the piston, that belong to a closure.
     pub fn closed_by(self, closure: Closure) -> Self {
-        Self { outlet: closure.outlet(), ..self }
+        Self { outlet: closure.outlet(), piston: closure.piston(), ..self }
     }
 }
 
@@ -255,6 +259,11 @@ point = ["{half_cell} mm", "{rim_y} mm", "{rim_z} mm"]
 name = "chamber"
 point = ["{half_cell} mm", "{chamber_y} mm", "{chamber_z} mm"]
 
+# The channel between ring and seat.
+[[scene.probes]]
+name = "channel"
+ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{inner} mm", "{outer} mm"], heights = ["0 mm", "2 mm"] }}
+
 {outflow}
 {grains}[components]
 fluid = "fluid-lbm"
@@ -307,6 +316,7 @@ signals = "20 us"
         stiffness = own.stop_stiffness,
         cone_inner = mm(bore - 0.5 * cell),
         inner = mm(inner),
+        outer = mm(outer),
         gap_outer = mm(outer + cell),
         rim_y = mm(-valve.cone_depth() - cell),
         rim_z = mm(bore - cell),

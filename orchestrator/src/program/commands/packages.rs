@@ -2,10 +2,11 @@
 
 use super::WRONG_INPUT;
 use crate::manifest;
-use crate::registry::{OnArguments, OnRun};
+use crate::registry::{OnArguments, OnRuns};
 use crate::terminal::standard::{answer_text, complain, complain_text};
+use crate::tools::study::done_runs;
 use clap::ArgMatches;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tremie_results::{CommandError, FinishedRun, signals_of};
 
@@ -14,9 +15,12 @@ pub fn of_package(work: OnArguments, arguments: &ArgMatches) -> ExitCode {
     end(work(arguments))
 }
 
-/// A reader of the finished run in the folder `out`.
-pub fn reader(work: OnRun, out: &Path, arguments: &ArgMatches) -> ExitCode {
-    end(finished(out).map_err(CommandError::input).and_then(|run| work(&run, arguments)))
+/// A reader of the finished runs in folders, each of a run or of a study.
+pub fn reader(work: OnRuns, out: &[PathBuf], arguments: &ArgMatches) -> ExitCode {
+    let of = |folder: &PathBuf| done_runs(folder).unwrap_or_else(|| vec![folder.clone()]);
+    let folders = out.iter().flat_map(of);
+    let runs = folders.map(|folder| finished(&folder)).collect::<Result<Vec<_>, _>>();
+    end(runs.map_err(CommandError::input).and_then(|runs| work(&runs, arguments)))
 }
 
 fn finished(out: &Path) -> Result<FinishedRun, String> {

@@ -92,10 +92,7 @@ impl StudyFolder {
 
     /// End of a run; `None` if it has not ended in order.
     pub fn outcome(&self, run: &StudyRun) -> Option<RunOutcome> {
-        let text = std::fs::read_to_string(self.of_run(run).join(SUMMARY)).ok()?;
-        let summary: serde_json::Value = serde_json::from_str(&text).ok()?;
-        let status = summary["status"].as_str()?.to_string();
-        Some(RunOutcome { status, wall_time: summary["wall_time"].as_f64() })
+        outcome_in(&self.of_run(run))
     }
 
     /// Readiness of a run's folder.
@@ -162,6 +159,23 @@ fn study_name(file: &Path) -> String {
         _ => file.file_stem(),
     };
     named.map_or_else(|| "study".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Folders of the runs of a study that are done, by their names; `None` if it is no study's folder.
+pub fn done_runs(folder: &Path) -> Option<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder.join(RUNS)).ok()?;
+    let runs = entries.flatten().map(|entry| entry.path());
+    let is_done = |run: &PathBuf| outcome_in(run).is_some_and(|outcome| outcome.is_done());
+    let mut runs: Vec<_> = runs.filter(is_done).collect();
+    runs.sort();
+    Some(runs)
+}
+
+fn outcome_in(folder: &Path) -> Option<RunOutcome> {
+    let text = std::fs::read_to_string(folder.join(SUMMARY)).ok()?;
+    let summary: serde_json::Value = serde_json::from_str(&text).ok()?;
+    let status = summary["status"].as_str()?.to_string();
+    Some(RunOutcome { status, wall_time: summary["wall_time"].as_f64() })
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ mod threads;
 pub use axes::value_text;
 pub use columns::StudyColumn;
 pub use contents::StudyContents;
-pub use folder::{FolderUse, StudyFolder, StudyLock};
+pub use folder::{FolderUse, StudyFolder, StudyLock, done_runs};
 pub use plots::draw_plots;
 pub use queue::RunQueue;
 pub use results::StudyEnd;
