@@ -219,6 +219,53 @@ fn a_study_that_is_killed_goes_on_to_the_same_table() {
     }
 }
 
+/// A run of a study that was killed after a checkpoint goes on from it, by the study or by a printed
+/// line, and ends with the bytes of an undisturbed one. With a checkpoint that is damaged it begins
+/// again.
+#[test]
+fn a_run_that_was_broken_off_goes_on_from_its_checkpoint() {
+    let study = "base = \"base.toml\"\n[set]\n\"run.until\" = \"0.4 s\"\n\"run.checkpoints.windows\" = 200\n\"components.fluid.threads\" = 1\n\"components.grains.threads\" = 1\n[columns]\nspeed = { signal = \"grains.max_speed\", of = \"mean\" }\n";
+    let home = Home::new(study);
+    assert!(home.study(&["--out", "whole"]).status.success());
+    let signals = |out: &str| std::fs::read(home.ended(out)[0].join("signals.csv")).unwrap();
+    for way in ["study", "print", "damaged"] {
+        let runs = home.path().join(way).join("runs");
+        let checkpoints = || {
+            let run = std::fs::read_dir(&runs).into_iter().flatten().flatten().next();
+            let found = run.map(|run| std::fs::read_dir(run.path().join("checkpoints")));
+            let folders = found.into_iter().flatten().flatten().flatten();
+            let records = folders.map(|folder| folder.path().join("checkpoint.json"));
+            records.filter(|record| record.exists()).collect::<Vec<_>>()
+        };
+        let mut command = home.command(&["--out", way]);
+        let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
+        crate::running::until("a checkpoint", || !checkpoints().is_empty());
+        running.send("-KILL");
+        running.wait(Duration::from_secs(60));
+        // The run ends in order, with a last checkpoint, when its study is gone.
+        crate::running::until("the run's end", || !home.ended(way).is_empty());
+        let summary = std::fs::read_to_string(home.ended(way)[0].join("summary.json")).unwrap();
+        assert!(summary.contains("interrupted"), "{way}: it was killed too late");
+        match way {
+            "print" => {
+                let line = said(&home.study(&["--out", way, "--print"]));
+                assert!(line.split(" || ").next().unwrap().contains(" resume "), "{line}");
+                assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
+            }
+            "damaged" => {
+                checkpoints().iter().for_each(|record| std::fs::write(record, "{").unwrap());
+            }
+            _ => {}
+        }
+        let output = home.study(&["--out", way]);
+        assert!(output.status.success(), "{way}: {}", errors(&output));
+        assert_eq!(signals(way), signals("whole"), "{way}");
+        assert_eq!(home.table(way, "runs.csv"), home.table("whole", "runs.csv"), "{way}");
+        let log = std::fs::read_to_string(home.ended(way)[0].join("log.jsonl")).unwrap();
+        assert_eq!(log.contains("the run goes on from"), way != "damaged", "{way}: {log}");
+    }
+}
+
 #[test]
 fn a_study_that_is_interrupted_says_how_to_go_on() {
     let study = STUDY.replace(

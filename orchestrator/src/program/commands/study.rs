@@ -107,13 +107,14 @@ fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
     for run in &study.runs {
         let folder = study.folder.of_run(run);
         let folder = std::path::absolute(&folder).unwrap_or(folder);
-        let before = match study.folder.use_of(run)? {
-            FolderUse::Done | FolderUse::UnderWay => continue,
-            FolderUse::Unfinished => format!("rm -r {} && ", shell_word(folder.as_os_str())),
-            FolderUse::Free => String::new(),
-        };
         let line = study.command_line(run, &run.threads.share(cores(), jobs))?;
-        answer(format_args!("{before}{line}"));
+        let anew = || format!("rm -r {} && {line}", shell_word(folder.as_os_str()));
+        answer(match study.folder.use_of(run)? {
+            FolderUse::Done | FolderUse::UnderWay => continue,
+            FolderUse::BrokenOff => format!("{} || {{ {}; }}", study.resuming_line(run)?, anew()),
+            FolderUse::Unfinished => anew(),
+            FolderUse::Free => line,
+        });
     }
     Ok(())
 }

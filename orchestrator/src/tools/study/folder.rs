@@ -2,7 +2,7 @@
 
 use super::StudyError;
 use super::runs::StudyRun;
-use crate::outputs::{OutputError, RunFolder, SUMMARY};
+use crate::outputs::{OutputError, RunFolder, SUMMARY, WholeCheckpoint};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use std::fs::{File, OpenOptions};
@@ -49,7 +49,9 @@ pub enum FolderUse {
     Free,
     /// A run is there that is done.
     Done,
-    /// A run is there that failed or was broken off.
+    /// A run is there that was broken off, and can go on from a checkpoint.
+    BrokenOff,
+    /// A run is there that failed, or was broken off before its first checkpoint.
     Unfinished,
     /// A run is under way there.
     UnderWay,
@@ -111,11 +113,18 @@ impl StudyFolder {
             Ok(_) => Ok(match self.outcome(run).is_some_and(|outcome| outcome.is_done()) {
                 // It came to its end between the two looks.
                 true => FolderUse::Done,
+                false if self.can_go_on(run) => FolderUse::BrokenOff,
                 false => FolderUse::Unfinished,
             }),
             Err(OutputError::Claimed(_)) => Ok(FolderUse::UnderWay),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// True if a run that nobody has anymore can go on: it did not fail, and left a checkpoint.
+    fn can_go_on(&self, run: &StudyRun) -> bool {
+        let failed = self.outcome(run).is_some_and(|outcome| outcome.status == "failed");
+        !failed && WholeCheckpoint::find(&self.of_run(run), None).is_ok()
     }
 
     /// Removes a run that failed or was broken off.

@@ -135,10 +135,22 @@ impl Study {
     /// # Errors
     /// If the system does not tell where this program lies.
     pub fn command_line(&self, run: &StudyRun, share: &ThreadShare) -> Result<String, StudyError> {
-        let program =
-            std::env::current_exe().map_err(StudyError::io(Path::new("/proc/self/exe")))?;
-        let words = std::iter::once(program.into_os_string()).chain(self.arguments(run, share));
-        Ok(words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" "))
+        shell_line(self.arguments(run, share))
+    }
+
+    /// The command that goes on with a run that was broken off.
+    ///
+    /// # Errors
+    /// See [`Self::command_line`].
+    pub fn resuming_line(&self, run: &StudyRun) -> Result<String, StudyError> {
+        shell_line(self.resuming_arguments(run))
+    }
+
+    /// Arguments of this program to go on with a run.
+    fn resuming_arguments(&self, run: &StudyRun) -> Vec<OsString> {
+        let out = self.folder.of_run(run);
+        let out = std::path::absolute(&out).unwrap_or(out);
+        vec!["resume".into(), out.into(), "--quiet".into()]
     }
 
     /// Arguments of this program for a run.
@@ -150,6 +162,13 @@ impl Study {
         let sets = sets.flat_map(|(key, value)| ["--set".into(), format!("{key}={value}").into()]);
         begin.into_iter().chain(sets).collect()
     }
+}
+
+/// A command line of this program, as a shell takes it.
+fn shell_line(arguments: Vec<OsString>) -> Result<String, StudyError> {
+    let program = std::env::current_exe().map_err(StudyError::io(Path::new("/proc/self/exe")))?;
+    let words = std::iter::once(program.into_os_string()).chain(arguments);
+    Ok(words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" "))
 }
 
 /// A word as a shell reads it back.

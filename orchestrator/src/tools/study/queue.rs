@@ -40,6 +40,8 @@ struct RunningRun {
     /// Its standard error.
     words: File,
     threads: u32,
+    /// It goes on from a checkpoint.
+    resumes: bool,
 }
 
 impl<'a> RunQueue<'a> {
@@ -131,25 +133,34 @@ impl<'a> RunQueue<'a> {
                     self.results.take(index)?;
                     continue;
                 }
-                FolderUse::Unfinished => self.study.folder.remove(run)?,
-                FolderUse::Free => {}
+                FolderUse::BrokenOff => self.start(index, true)?,
+                FolderUse::Unfinished => {
+                    self.study.folder.remove(run)?;
+                    self.start(index, false)?;
+                }
+                FolderUse::Free => self.start(index, false)?,
             }
-            let running = self.start(index)?;
-            self.going_on.push(running);
         }
         Ok(())
     }
 
-    fn start(&self, index: usize) -> Result<RunningRun, StudyError> {
+    /// Starts a run, or goes on with it.
+    fn start(&mut self, index: usize, resumes: bool) -> Result<(), StudyError> {
         let wrong = |error| StudyError::Io { path: self.study.folder.path().into(), error };
         let words = tempfile::tempfile().map_err(wrong)?;
+        let run = &self.study.runs[index];
         let mut command = this_program();
-        command.args(self.study.arguments(&self.study.runs[index], &self.shares[index]));
+        command.args(match resumes {
+            true => self.study.resuming_arguments(run),
+            false => self.study.arguments(run, &self.shares[index]),
+        });
         command.stdin(Stdio::null()).stdout(Stdio::null());
         command.stderr(words.try_clone().map_err(wrong)?);
         // A group of its own: Ctrl-C reaches this program alone, which passes it on once.
         let child = command.process_group(0).spawn().map_err(wrong)?;
-        Ok(RunningRun { index, child, words, threads: self.shares[index].threads })
+        let threads = self.shares[index].threads;
+        self.going_on.push(RunningRun { index, child, words, threads, resumes });
+        Ok(())
     }
 
     /// Takes the results of runs that have ended.
@@ -165,6 +176,12 @@ impl<'a> RunQueue<'a> {
             let index = running.index;
             if self.told > 0 && !self.results.is_done(index) {
                 // It was ended, and will be made again.
+                continue;
+            }
+            if running.resumes && !self.results.is_done(index) {
+                // Of another program, or with a state that is damaged: from the start, then.
+                self.study.folder.remove(&self.study.runs[index])?;
+                self.waiting.push_front(index);
                 continue;
             }
             if self.study.folder.use_of(&self.study.runs[index])? == FolderUse::UnderWay {

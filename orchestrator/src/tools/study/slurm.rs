@@ -133,7 +133,7 @@ impl<'a> SlurmQueue<'a> {
             let run = &self.study.runs[index];
             match self.study.folder.use_of(run)? {
                 FolderUse::Done => self.results.take(index)?,
-                FolderUse::Unfinished => {
+                FolderUse::BrokenOff | FolderUse::Unfinished => {
                     self.study.folder.remove(run)?;
                     new.push(index);
                 }
