@@ -252,7 +252,9 @@ fn all_stuck(signals: &Signals, site: &Site, lift: f64) -> Vec<Stuck> {
         let debris = site.diameter.map(|d| debris(lift, *area, area_fraction, d));
         Some(Stuck { probe: probe.clone(), area_fraction, debris })
     };
-    site.rings.iter().filter_map(of_ring).collect()
+    // Without grains a ring probe is there for the fluid.
+    let rings = site.diameter.iter().flat_map(|_| &site.rings);
+    rings.filter_map(of_ring).collect()
 }
 
 #[cfg(test)]
