@@ -112,6 +112,10 @@ fn too_little_shared_memory_is_told_before_anything_starts() {
         ("mount -t tmpfs -o size=64k tmpfs /tmp", &["below /tmp: No space left on device"]),
         ("mount -t tmpfs -o ro tmpfs /tmp", &["below /tmp: Read-only file system"]),
     ] {
+        if mount.ends_with("/tmp") && home.path().starts_with("/tmp") {
+            // It would hide the program, too.
+            continue;
+        }
         let begin = Instant::now();
         let Some(ran) = with_mount(mount, run, &manifest) else { return };
         let said = errors(&ran);

@@ -123,7 +123,7 @@ pub enum OpenFaces {
     /// Non-equilibrium extrapolation from the next cell inside (Guo, Zheng & Shi 2002): robust.
     #[default]
     Nee,
-    /// Non-equilibrium bounce-back (Zou & He 1997; Hecht & Harting 2010): needs no second cell.
+    /// Non-equilibrium bounce-back (Zou & He 1997; Hecht & Harting 2010).
     Nebb,
 }
 
