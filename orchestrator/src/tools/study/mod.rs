@@ -30,7 +30,7 @@ pub use queue::RunQueue;
 pub use results::StudyEnd;
 pub use runs::StudyRun;
 pub use slurm::SlurmQueue;
-pub use table::{RunResults, TABLE, TYPED_TABLE};
+pub use table::{RunResults, TABLE};
 pub use threads::ThreadShare;
 
 use crate::manifest::{Manifest, ManifestErrors};

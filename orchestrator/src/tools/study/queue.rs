@@ -178,15 +178,15 @@ impl<'a> RunQueue<'a> {
                 // It was ended, and will be made again.
                 continue;
             }
+            if self.study.folder.use_of(&self.study.runs[index])? == FolderUse::UnderWay {
+                // A run of a study that was killed had the folder still.
+                self.waiting.push_back(index);
+                continue;
+            }
             if running.resumes && !self.results.is_done(index) {
                 // Of another program, or with a state that is damaged: from the start, then.
                 self.study.folder.remove(&self.study.runs[index])?;
                 self.waiting.push_front(index);
-                continue;
-            }
-            if self.study.folder.use_of(&self.study.runs[index])? == FolderUse::UnderWay {
-                // A run of a study that was killed had the folder still.
-                self.waiting.push_back(index);
                 continue;
             }
             self.results.take_made(index, || last_words(&mut running.words))?;

@@ -12,7 +12,7 @@ use tremie_results::{SIGNALS, Signals};
 /// The table of runs.
 pub const TABLE: &str = "runs.csv";
 /// The same table with types.
-pub const TYPED_TABLE: &str = "runs.parquet";
+const TYPED_TABLE: &str = "runs.parquet";
 /// The table of wall times. They differ from one time to the next, and so stand apart.
 pub const TIMES: &str = "times.csv";
 

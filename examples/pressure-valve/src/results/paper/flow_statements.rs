@@ -1,9 +1,9 @@
 //! Statements on valves without grains, and on those that stay shut.
 
 use super::series::{Series, falls, grows, scatter};
-use super::valve_run::{Kind, ValveRun, Varied};
+use super::valve_run::{ValveRun, Varied};
 use super::{Found, Judged, listed, over};
-use crate::scene::Dimensions;
+use crate::scene::{Closure, Dimensions};
 
 const VISCOSITIES: &str = "runs of the pressure valve without grains, in two viscosities or more";
 const PISTONS: &str = "runs of the pressure valve without grains, with two pistons or more";
@@ -38,7 +38,7 @@ pub(super) const ALL: &[Judged] = &[
 
 /// A series of the pressure valve without grains that has two points or more.
 fn clear<'r, 'a>(runs: &'r [ValveRun<'a>], varied: Varied) -> Result<Series<'r, 'a>, &'static str> {
-    let series = Series::longest(runs, Kind::Pressure, false, varied);
+    let series = Series::longest(runs, Closure::Pressure, false, varied);
     let needs = if varied == Varied::Viscosity { VISCOSITIES } else { PISTONS };
     if series.points.len() > 1 { Ok(series) } else { Err(needs) }
 }
@@ -111,7 +111,7 @@ fn compression(runs: &[ValveRun]) -> Found {
 fn first_peak(runs: &[ValveRun]) -> Found {
     let is_control = |run: &&ValveRun| {
         let near = |varied, number: f64| (run.number(varied) / number - 1.0).abs() < 1e-6;
-        run.kind == Kind::Pressure
+        run.kind == Closure::Pressure
             && run.diameters.is_none()
             && near(Varied::Viscosity, 1e-3)
             && near(Varied::Piston, 6.0)
@@ -125,9 +125,8 @@ fn first_peak(runs: &[ValveRun]) -> Found {
 }
 
 fn steady_lifts(runs: &[ValveRun]) -> Found {
-    let steady = |run: &ValveRun| run.steady().map(|[mean, ..]| mean);
-    let viscous = clear(runs, Varied::Viscosity)?.values(steady);
-    let pistons = clear(runs, Varied::Piston)?.values(steady);
+    let viscous = clear(runs, Varied::Viscosity)?.values(ValveRun::steady_mean);
+    let pistons = clear(runs, Varied::Piston)?.values(ValveRun::steady_mean);
     if viscous.len() < 2 || pistons.len() < 2 {
         return Err("runs that last until the piston stops");
     }
@@ -156,7 +155,7 @@ fn swings(runs: &[ValveRun]) -> Found {
 }
 
 fn stays_shut(runs: &[ValveRun]) -> Found {
-    let series = Series::longest(runs, Kind::Safety, false, Varied::Piston);
+    let series = Series::longest(runs, Closure::Safety, false, Varied::Piston);
     let greatest = series.values(|run| run.spread(run.lift, 0.0, run.stop).map(|[.., most]| most));
     let is_slow = |v: &&[f64; 2]| v[0] < 2.6;
     if !greatest.iter().any(|v| is_slow(&v)) || greatest.iter().all(|v| is_slow(&v)) {
@@ -182,7 +181,7 @@ mod tests {
             signals(&[("grains.valve.lift", &move |t| lift(t, [begin, 2e-3, 1e-3, 0.5e-3]))])
         };
         let all = [3e-3, 2e-3, 4e-3, with_grains].map(opening);
-        let of = |k: usize, numbers, grains| run(&all[k], Kind::Pressure, numbers, grains);
+        let of = |k: usize, numbers, grains| run(&all[k], Closure::Pressure, numbers, grains);
         delays(&[
             of(0, [1e-3, 3.0], None),
             of(1, [1e-3, 6.0], None),
@@ -211,7 +210,7 @@ mod tests {
         let [shut, open] = [0.3e-3, 2e-3].map(|level| {
             signals(&[("grains.valve.lift", &move |t| lift(t, [2e-3, level, 1e-4, 0.1e-3]))])
         });
-        let of = |signals, piston| run(signals, Kind::Safety, [1e-3, piston], None);
+        let of = |signals, piston| run(signals, Closure::Safety, [1e-3, piston], None);
         let judged =
             |middle| stays_shut(&[of(&shut, 1.0), of(middle, 2.5), of(&open, 6.0)]).unwrap();
         assert!(judged(&shut).1 && !judged(&open).1);

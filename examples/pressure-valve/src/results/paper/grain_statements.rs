@@ -1,10 +1,10 @@
 //! Statements on valves that grains pass, and on what is stuck in them.
 
 use super::series::{Series, grows, scatter};
-use super::valve_run::{Kind, ValveRun, Varied};
+use super::valve_run::{ValveRun, Varied};
 use super::{Found, Judged, listed, over};
 use crate::results::debris::debris;
-use crate::scene::Dimensions;
+use crate::scene::{Closure, Dimensions};
 use std::f64::consts::PI;
 
 const FRACTIONS: &str =
@@ -28,7 +28,7 @@ pub(super) const ALL: &[Judged] = &[
     (
         8,
         "grains' flux below 0.405 m/s: lift nearly constant; up to 0.611 it swings; above it is held up",
-        |runs| regimes(runs, Kind::Pressure),
+        |runs| regimes(runs, Closure::Pressure),
     ),
     (
         9,
@@ -56,7 +56,7 @@ pub(super) const ALL: &[Judged] = &[
         "debris is at least 1.5 times area and fraction over that cosine and the diameter, squared",
         |runs| stuck(runs, true),
     ),
-    (16, "the safety valve has the same three regimes", |runs| regimes(runs, Kind::Safety)),
+    (16, "the safety valve has the same three regimes", |runs| regimes(runs, Closure::Safety)),
     (17, "safety valve: grains of 1.4 mm leave it lower than grains of 1.1 mm", safety_sizes),
 ];
 
@@ -64,12 +64,10 @@ fn cosine() -> f64 {
     libm::cos(Dimensions::default().cone_slope.0)
 }
 
-fn mean_lift(run: &ValveRun) -> Option<f64> {
-    run.steady().map(|[mean, ..]| mean)
-}
-
 fn sizes(runs: &[ValveRun]) -> Found {
-    let of = |varied| Series::longest(runs, Kind::Pressure, true, varied).values(mean_lift);
+    let of = |varied| {
+        Series::longest(runs, Closure::Pressure, true, varied).values(ValveRun::steady_mean)
+    };
     let (ratios, diameters) = (of(Varied::SizeRatio), of(Varied::Diameter));
     if ratios.len() < 2 || diameters.len() < 2 {
         return Err("runs with grains of two sizes or more, and of two spreads of sizes or more");
@@ -92,7 +90,7 @@ fn envelope(run: &ValveRun) -> Option<[f64; 2]> {
     Some([mean, (greatest - least) / mean])
 }
 
-fn regimes(runs: &[ValveRun], kind: Kind) -> Found {
+fn regimes(runs: &[ValveRun], kind: Closure) -> Found {
     let series = Series::longest(runs, kind, true, Varied::Fraction);
     let flux = |run: &ValveRun| Some(run.number(Varied::Fraction) * run.number(Varied::Piston));
     let fluxes = series.values(|run| envelope(run).and(flux(run)));
@@ -106,8 +104,8 @@ fn regimes(runs: &[ValveRun], kind: Kind) -> Found {
     let [first, second, third] = [0, 1, 2].map(|wanted| of(&swings, wanted));
     if first.is_empty() || second.is_empty() || third.is_empty() {
         return Err(match kind {
-            Kind::Pressure => FRACTIONS,
-            Kind::Safety => {
+            Closure::Pressure => FRACTIONS,
+            Closure::Safety => {
                 "runs of the safety valve with grains, with fluxes in all three regimes"
             }
         });
@@ -153,7 +151,7 @@ fn lag_of(late: &[f64], early: &[f64], spacing: f64, bounds: [f64; 2]) -> f64 {
 
 fn lag(runs: &[ValveRun]) -> Found {
     let is_it = |run: &&ValveRun| {
-        run.kind == Kind::Pressure
+        run.kind == Closure::Pressure
             && (run.number(Varied::Fraction) - 0.084).abs() < 1e-3
             && (run.number(Varied::Piston) - 6.0).abs() < 1e-3
             && run.steady().is_some()
@@ -165,6 +163,9 @@ fn lag(runs: &[ValveRun]) -> Found {
     let pressure = run.signal("fluid.beneath.pressure").ok_or(needs)?;
     let rows = run.rows(8e-3, run.stop);
     let times = &run.times()[rows.clone()];
+    if times.len() < 2 {
+        return Err(needs);
+    }
     let spacing = (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64;
     let [lift, packing, pressure] = [run.lift, packing, pressure].map(|all| &all[rows.clone()]);
     let behind = lag_of(lift, packing, spacing, [-3e-3, 3e-3]);
@@ -179,7 +180,7 @@ fn lag(runs: &[ValveRun]) -> Found {
 }
 
 fn packing(runs: &[ValveRun]) -> Found {
-    let series = Series::longest(runs, Kind::Pressure, true, Varied::Fraction);
+    let series = Series::longest(runs, Closure::Pressure, true, Varied::Fraction);
     let is_first =
         |run: &ValveRun| run.number(Varied::Fraction) * run.number(Varied::Piston) < REGIMES[0];
     let swing = |run: &ValveRun| {
@@ -205,7 +206,7 @@ fn packing(runs: &[ValveRun]) -> Found {
 fn shut_on_grains<'r, 'a>(
     runs: &'r [ValveRun<'a>],
 ) -> impl Iterator<Item = (&'r ValveRun<'a>, [f64; 2], f64)> {
-    let fast = |run: &&ValveRun| run.kind == Kind::Pressure && run.number(Varied::Piston) > 2.0;
+    let fast = |run: &&ValveRun| run.kind == Closure::Pressure && run.number(Varied::Piston) > 2.0;
     runs.iter().filter(fast).filter_map(|run| Some((run, run.diameters?, run.rest()?)))
 }
 
@@ -231,7 +232,7 @@ fn shut_lifts(runs: &[ValveRun]) -> Found {
 
 fn slow_piston(runs: &[ValveRun]) -> Found {
     let is_slow = |run: &&ValveRun| {
-        run.kind == Kind::Pressure
+        run.kind == Closure::Pressure
             && run.diameters.is_some()
             && (run.number(Varied::Piston) - 1.0).abs() < 1e-3
     };
@@ -282,7 +283,8 @@ fn stuck(runs: &[ValveRun], broken: bool) -> Found {
 }
 
 fn safety_sizes(runs: &[ValveRun]) -> Found {
-    let rests = Series::longest(runs, Kind::Safety, true, Varied::Diameter).values(ValveRun::rest);
+    let rests =
+        Series::longest(runs, Closure::Safety, true, Varied::Diameter).values(ValveRun::rest);
     let of = |d: f64| rests.iter().find(|v| (v[0] / d - 1.0).abs() < 0.01).map(|v| v[1]);
     let needs = "runs of the safety valve with grains of 1.1 and of 1.4 mm, to 5 ms after the stop";
     let (small, large) = of(1.1e-3).zip(of(1.4e-3)).ok_or(needs)?;
@@ -310,7 +312,7 @@ mod tests {
     #[test]
     fn lifts_and_areas_at_rest_have_their_bounds() {
         let [right, wrong] = [at_rest(0.9e-3, 0.1), at_rest(1.1e-3, 0.08)];
-        let of = |signals| run(signals, Kind::Pressure, [1e-3, 6.0], Some([GRAINS, 0.053]));
+        let of = |signals| run(signals, Closure::Pressure, [1e-3, 6.0], Some([GRAINS, 0.053]));
         let (found, holds) = shut_lifts(&[of(&right)]).unwrap();
         assert!(holds && found.contains("0.90 (0.84 to 1.00)"), "{found}");
         assert!(!shut_lifts(&[of(&right), of(&wrong)]).unwrap().1);
@@ -331,13 +333,15 @@ mod tests {
         };
         let all = [swinging(1.2e-3, 0.02), swinging(1.4e-3, 0.2), swinging(1.9e-3, 0.05)];
         let of = |k: usize, fraction| {
-            run(&all[k], Kind::Pressure, [1e-3, 6.0], Some([GRAINS, fraction]))
+            run(&all[k], Closure::Pressure, [1e-3, 6.0], Some([GRAINS, fraction]))
         };
         let (found, right) =
-            regimes(&[of(0, 0.053), of(1, 0.084), of(2, 0.117)], Kind::Pressure).unwrap();
+            regimes(&[of(0, 0.053), of(1, 0.084), of(2, 0.117)], Closure::Pressure).unwrap();
         assert!(right && found.contains("0.318, 0.504, 0.702"), "{found}");
-        assert!(!regimes(&[of(1, 0.053), of(0, 0.084), of(2, 0.117)], Kind::Pressure).unwrap().1);
-        assert_eq!(regimes(&[of(0, 0.053)], Kind::Pressure), Err(FRACTIONS));
+        assert!(
+            !regimes(&[of(1, 0.053), of(0, 0.084), of(2, 0.117)], Closure::Pressure).unwrap().1
+        );
+        assert_eq!(regimes(&[of(0, 0.053)], Closure::Pressure), Err(FRACTIONS));
     }
 
     /// A sine that comes 1.4 ms after another.

@@ -1,6 +1,7 @@
 //! Series: runs that differ in one quantity.
 
-use super::valve_run::{Kind, ValveRun, Varied};
+use super::valve_run::{ValveRun, Varied};
+use crate::scene::Closure;
 
 /// The longest series of runs of a valve that differ in one quantity, in its order. Runs with the
 /// same number, with other seeds, stand together.
@@ -12,7 +13,7 @@ pub struct Series<'r, 'a> {
 
 impl<'r, 'a> Series<'r, 'a> {
     /// Of the runs of a kind, with grains or without.
-    pub fn longest(runs: &'r [ValveRun<'a>], kind: Kind, grains: bool, varied: Varied) -> Self {
+    pub fn longest(runs: &'r [ValveRun<'a>], kind: Closure, grains: bool, varied: Varied) -> Self {
         let fits = |run: &&ValveRun| run.kind == kind && run.diameters.is_some() == grains;
         let of = |first: &'r ValveRun<'a>| {
             let like = runs.iter().filter(|run| run.differs_only_in(first, varied));

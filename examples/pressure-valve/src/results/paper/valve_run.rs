@@ -1,18 +1,8 @@
 //! A run of the valve as Mutabaruka and Kamrin name theirs, with the numbers that they speak of.
 
-use crate::scene::Dimensions;
+use crate::scene::{Closure, Dimensions};
 use tremie_messages::scene::{Face, Scene};
 use tremie_results::{FinishedRun, Signals, run_name};
-
-/// Conduits' closures: of a pressure valve all that enters leaves through the valve, of a safety
-/// valve the conduit is open at its end too.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// A wall ends the conduit.
-    Pressure,
-    /// An outlet ends it.
-    Safety,
-}
 
 /// What the series of the paper vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +24,7 @@ pub enum Varied {
 pub struct ValveRun<'a> {
     /// Name of its folder.
     pub name: String,
-    pub kind: Kind,
+    pub kind: Closure,
     /// By [`Varied`].
     numbers: [f64; 5],
     /// Time at which the piston stops [s].
@@ -59,8 +49,8 @@ impl<'a> ValveRun<'a> {
         Some(Self {
             name: run_name(&run.folder),
             kind: match faces[1] {
-                Face::Pressure { .. } => Kind::Safety,
-                _ => Kind::Pressure,
+                Face::Pressure { .. } => Closure::Safety,
+                _ => Closure::Pressure,
             },
             numbers: [
                 viscosity(scene),
@@ -139,6 +129,11 @@ impl<'a> ValveRun<'a> {
             .then(|| self.spread(self.lift, from, self.stop))?
     }
 
+    /// Mean of the [steady](Self::steady) lift [m].
+    pub fn steady_mean(&self) -> Option<f64> {
+        self.steady().map(|[mean, ..]| mean)
+    }
+
     /// Lift over the last millisecond of a run that ends five milliseconds after the piston, or
     /// later [m].
     pub fn rest(&self) -> Option<f64> {
@@ -207,7 +202,7 @@ pub mod made_up {
     /// a mean diameter, sizes of a ratio of 1.2, a fraction.
     pub fn run(
         signals: &Signals,
-        kind: Kind,
+        kind: Closure,
         [viscosity, piston]: [f64; 2],
         grains: Option<[f64; 2]>,
     ) -> ValveRun<'_> {
@@ -246,7 +241,7 @@ pub mod made_up {
             signals(&[("grains.valve.lift", &|t| lift(t, [2e-3, 2e-3, damping, 0.5e-3]))])
         };
         let swinging = of(5e-3);
-        let it = run(&swinging, Kind::Pressure, [1e-3, 6.0], None);
+        let it = run(&swinging, Closure::Pressure, [1e-3, 6.0], None);
         let peaks = it.peaks();
         assert!(peaks.len() >= 3, "{peaks:?}");
         assert!((peaks[0][0] - 3.7e-3).abs() < 0.15e-3, "{peaks:?}");
@@ -257,6 +252,6 @@ pub mod made_up {
         assert!((mean - 2e-3).abs() < 0.05e-3 && least < mean && greatest > mean);
         assert!((it.rest().unwrap() - 0.5e-3).abs() < 1e-12);
         let rising = signals(&[("grains.valve.lift", &|t: f64| 0.1 * t)]);
-        assert!(run(&rising, Kind::Pressure, [31.6, 6.0], None).peaks().is_empty());
+        assert!(run(&rising, Closure::Pressure, [31.6, 6.0], None).peaks().is_empty());
     }
 }
