@@ -1,4 +1,4 @@
-//! Cells that nothing flows through: pinched under a grain, between a grain and a wall, in a nook.
+//! Cells that next to nothing flows through: pinched under a grain, between a grain and a wall, in a nook.
 //!
 //! If almost all links of a cell end at walls, each step turns its momentum round:
 //! `j(t + 1) = -j(t)`. No viscosity acts on that, for viscosity acts on what passes between cells.
@@ -19,10 +19,10 @@
 //! is reflected by the collision, too, and so stays as it is for ever: it takes up every difference of
 //! density to the cells around. What a cell sends through a link that is open is then, to `tau - 1/2`,
 //! what it got from there a step before. A cell in a nook under a piston that moves by a tenth of a cell
-//! so had a tenth less density than the fluid beside it. Where such a part would not die by itself
-//! ([`PERSISTS`]), every [`ODD_EVERY`]th step takes it from cells with no more open links than such a nook
-//! has ([`LINKS_OF_NOOK`]); mass, momentum and stress stay. Cells of a gap of one layer have eight, and
-//! keep it.
+//! so had a tenth less density than the fluid beside it; a gap of one layer, of cells with eight open links,
+//! kept a pressure of 2 MPa for good between two chambers without any. Where such a part would not die by
+//! itself ([`PERSISTS`]), every [`ODD_EVERY`]th step takes it from pinched cells; mass, momentum and stress
+//! stay.
 //!
 //! ```text
 //! (f_i - f_i')/2 = 3 w_i c_i.j
@@ -38,9 +38,6 @@ use tremie_state::{StateError, StateExchange};
 /// Links into fluid from which on fluid flows through a cell: those of a cell along the edge of a
 /// box.
 const OPEN_LINKS: usize = 9;
-
-/// Most links into fluid of a cell in a nook: through one face, and past the four edges of that.
-const LINKS_OF_NOOK: usize = 5;
 
 /// Steps from one mean to the next.
 const EVERY: u64 = 64;
@@ -59,8 +56,6 @@ struct Cell {
     cell: u32,
     /// Its momentum one step before a mean.
     j: [f64; 3],
-    /// True if it is in a nook.
-    is_nook: bool,
 }
 
 /// All pinched cells. Cells that are not pinched any more stay listed until the next mean.
@@ -97,24 +92,21 @@ impl Pinched {
     ) -> Result<(), StateError> {
         let mut cells: Vec<u32> = self.cells.iter().map(|pinched| pinched.cell).collect();
         let mut momenta: Vec<[f64; 3]> = self.cells.iter().map(|pinched| pinched.j).collect();
-        let mut nooks: Vec<u8> = self.cells.iter().map(|pinched| pinched.is_nook.into()).collect();
         state.list("cells", &mut cells)?;
         state.list("momenta", &mut momenta)?;
-        state.list("nooks", &mut nooks)?;
         state.value("noted", &mut self.noted)?;
         if !state.restores() {
             return Ok(());
         }
         self.cells.clear();
         self.listed.fill(0);
-        for ((&cell, &j), &nook) in cells.iter().zip(&momenta).zip(&nooks) {
-            let is_nook = nook != 0;
+        for (&cell, &j) in cells.iter().zip(&momenta) {
             if cell as usize >= all || self.is_listed(cell) {
                 return state.unfit("the pinched cells of the state are none of this lattice");
             }
-            self.list(Cell { cell, j, is_nook });
+            self.list(Cell { cell, j });
         }
-        if momenta.len() != cells.len() || nooks.len() != cells.len() || self.noted > cells.len() {
+        if momenta.len() != cells.len() || self.noted > cells.len() {
             return state.unfit("the pinched cells of the state lack momenta");
         }
         Ok(())
@@ -142,10 +134,8 @@ impl Pinched {
     }
 
     fn list_if_pinched<T: Real>(&mut self, lattice: &LatticeState<T>, cell: u32) {
-        if !self.is_listed(cell)
-            && let Some(links) = links_if_pinched(lattice, cell)
-        {
-            self.list(Cell { cell, j: [0.0; 3], is_nook: links <= LINKS_OF_NOOK });
+        if !self.is_listed(cell) && is_pinched(lattice, cell) {
+            self.list(Cell { cell, j: [0.0; 3] });
         }
     }
 
@@ -177,11 +167,10 @@ impl Pinched {
         }
     }
 
-    /// Takes from cells in nooks what is odd in the directions and is no momentum.
+    /// Takes from pinched cells what is odd in the directions and is no momentum.
     fn take_odd_rest<T: Real>(&self, lattice: &LatticeState<T>) {
         let (before, flags) = (lattice.before(), &lattice.flags);
-        let nooks = self.cells.iter().filter(|pinched| pinched.is_nook);
-        for pinched in nooks.filter(|pinched| flags.is_fluid(pinched.cell)) {
+        for pinched in self.cells.iter().filter(|pinched| flags.is_fluid(pinched.cell)) {
             let mut h = before.populations(pinched.cell);
             let j = Content::of(&h).j;
             for i in 1..Q {
@@ -199,15 +188,13 @@ impl Pinched {
     fn note<T: Real>(&mut self, lattice: &LatticeState<T>) {
         let Self { cells, listed, .. } = self;
         cells.retain_mut(|pinched| {
-            let links = links_if_pinched(lattice, pinched.cell);
-            match links {
-                Some(links) => {
-                    pinched.j = lattice.before().content(pinched.cell).j;
-                    pinched.is_nook = links <= LINKS_OF_NOOK;
-                }
-                None => listed[pinched.cell as usize / 64] &= !(1 << (pinched.cell % 64)),
+            let stays = is_pinched(lattice, pinched.cell);
+            if stays {
+                pinched.j = lattice.before().content(pinched.cell).j;
+            } else {
+                listed[pinched.cell as usize / 64] &= !(1 << (pinched.cell % 64));
             }
-            links.is_some()
+            stays
         });
         self.noted = cells.len();
     }
@@ -231,17 +218,14 @@ impl Pinched {
     }
 }
 
-/// Number of the links into fluid of a fluid cell through which nothing flows; `None` of any other cell.
-fn links_if_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> Option<usize> {
+/// Whether a cell is a fluid cell through which next to nothing flows.
+fn is_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> bool {
     let LatticeState { layout, flags, .. } = lattice;
     let is_open = |&i: &usize| {
         let neighbour = layout.neighbour(cell, i);
         neighbour.is_some_and(|n| flags.is_fluid(n)) || layout.sees_itself(cell, i)
     };
-    if !flags.is_fluid(cell) {
-        return None;
-    }
-    let links = (1..Q).filter(is_open).take(OPEN_LINKS).count();
-    let is_pinched = links < OPEN_LINKS && layout.grid.open_faces(layout.at(cell)).next().is_none();
-    is_pinched.then_some(links)
+    flags.is_fluid(cell)
+        && (1..Q).filter(is_open).take(OPEN_LINKS).count() < OPEN_LINKS
+        && layout.grid.open_faces(layout.at(cell)).next().is_none()
 }
