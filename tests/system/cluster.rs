@@ -4,7 +4,7 @@
 //! it is asked for.
 
 use crate::running::{Running, until};
-use crate::study::{Home, errors};
+use crate::study::{Home, WITH_CHECKPOINTS, errors};
 use std::collections::BTreeMap;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -218,6 +218,37 @@ fn ctrl_c_leaves_the_runs_at_slurm() {
     let output: Output = cluster.study(&home, &options).output().unwrap();
     assert!(output.status.success(), "{}", errors(&output));
     assert!(errors(&output).contains("6 of 6 runs are done, 0 made now"), "{}", errors(&output));
+}
+
+/// A task that is cancelled after a checkpoint, or runs into its time limit, goes on from there when the study
+/// is made again, to the bytes of an undisturbed run. With a checkpoint that is damaged it begins again.
+#[test]
+#[ignore = "needs Slurm (apt-get install slurm-wlm) and root"]
+fn a_task_that_was_broken_off_goes_on_from_its_checkpoint() {
+    let home = Home::new(WITH_CHECKPOINTS);
+    assert!(home.study(&["--out", "whole"]).status.success());
+    let place = tempfile::tempdir().unwrap();
+    let cluster = Cluster::start(place.path());
+    for way in ["goes on", "damaged"] {
+        let options = ["--out", way, "--slurm"];
+        let mut command = cluster.study(&home, &options);
+        let mut following = Running::start(command.stdout(Stdio::null()).stderr(Stdio::piped()));
+        until("a checkpoint", || !home.checkpoints(way).is_empty());
+        let job = cluster.queue()[0].split('_').next().unwrap().to_string();
+        assert!(cluster.command("scancel").arg(job).status().unwrap().success());
+        assert_eq!(following.wait(Duration::from_secs(120)), Some(1));
+        let words = following.errors();
+        assert!(words.contains("CANCELLED"), "{way}: it was cancelled too late: {words}");
+        if way == "damaged" {
+            home.checkpoints(way).iter().for_each(|file| std::fs::write(file, "{").unwrap());
+        }
+        let again = cluster.study(&home, &options).output().unwrap();
+        assert!(again.status.success(), "{way}: {}", errors(&again));
+        assert_eq!(home.table(way, "runs.csv"), home.table("whole", "runs.csv"), "{way}");
+        let log = std::fs::read_to_string(home.ended(way)[0].join("log.jsonl")).unwrap();
+        let words = errors(&again);
+        assert_eq!(log.contains("the run goes on from"), way == "goes on", "{way}: {words}\n{log}");
+    }
 }
 
 /// Without Slurm the words say what is needed.

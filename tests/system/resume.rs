@@ -4,7 +4,7 @@
 use crate::inlets::STREAM;
 use crate::profiles::SHOWER;
 use crate::rubber::Valve;
-use crate::running::{Running, until};
+use crate::running::{Running, children_of, send, until};
 use crate::tremie::{
     Ran, SMALL, description, left_nothing, run, run_text, script, small_with_fluid, tremie,
 };
@@ -224,6 +224,25 @@ fn a_run_that_was_asked_to_end_goes_on_where_it_ended() {
     let whole = run(DAM, &QUIET).succeeded();
     let table = |out: &Path| std::fs::read_to_string(out.join("signals.csv")).unwrap();
     assert_eq!(table(&out), table(&whole.out));
+}
+
+/// As a scheduler does at a time limit, or the system as it goes down: each process is asked to end.
+#[test]
+fn a_run_all_of_whose_processes_are_asked_to_end_ends_in_order() {
+    let home = tempfile::tempdir().unwrap();
+    let out = home.path().join("out");
+    let mut running = started(&out, 50);
+    let components = children_of(running.id());
+    assert!(components.len() >= 2, "{components:?}");
+    for signal in ["-TERM", "-HUP"] {
+        components.iter().for_each(|&component| send(component, signal));
+    }
+    running.send("-TERM");
+    assert_eq!(running.wait(Duration::from_secs(20)), Some(130));
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["status"], "interrupted");
+    assert!(summary["checkpoint"].as_u64().is_some());
 }
 
 #[test]

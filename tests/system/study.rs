@@ -36,6 +36,20 @@ x = "scene.fluid.viscosity"
 y = "speed"
 "#;
 
+/// One run, long enough to be broken off after a checkpoint.
+pub const WITH_CHECKPOINTS: &str = r#"
+base = "base.toml"
+
+[set]
+"run.until" = "0.4 s"
+"run.checkpoints.windows" = 200
+"components.fluid.threads" = 1
+"components.grains.threads" = 1
+
+[columns]
+speed = { signal = "grains.max_speed", of = "mean" }
+"#;
+
 /// A folder with the small manifest and a study of it.
 pub struct Home(TempDir);
 
@@ -71,6 +85,16 @@ impl Home {
         let file = std::fs::File::open(self.path().join(out).join("runs.parquet")).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
         reader.get_row_iter(None).unwrap().map(Result::unwrap).collect()
+    }
+
+    /// Records of the whole checkpoints of the first run.
+    pub fn checkpoints(&self, out: &str) -> Vec<PathBuf> {
+        let runs = std::fs::read_dir(self.path().join(out).join("runs"));
+        let run = runs.into_iter().flatten().flatten().next();
+        let found = run.map(|run| std::fs::read_dir(run.path().join("checkpoints")));
+        let folders = found.into_iter().flatten().flatten().flatten();
+        let records = folders.map(|folder| folder.path().join("checkpoint.json"));
+        records.filter(|record| record.exists()).collect()
     }
 
     /// Folders of runs that have a summary.
@@ -224,19 +248,11 @@ fn a_study_that_is_killed_goes_on_to_the_same_table() {
 /// again.
 #[test]
 fn a_run_that_was_broken_off_goes_on_from_its_checkpoint() {
-    let study = "base = \"base.toml\"\n[set]\n\"run.until\" = \"0.4 s\"\n\"run.checkpoints.windows\" = 200\n\"components.fluid.threads\" = 1\n\"components.grains.threads\" = 1\n[columns]\nspeed = { signal = \"grains.max_speed\", of = \"mean\" }\n";
-    let home = Home::new(study);
+    let home = Home::new(WITH_CHECKPOINTS);
     assert!(home.study(&["--out", "whole"]).status.success());
     let signals = |out: &str| std::fs::read(home.ended(out)[0].join("signals.csv")).unwrap();
     for way in ["study", "print", "damaged"] {
-        let runs = home.path().join(way).join("runs");
-        let checkpoints = || {
-            let run = std::fs::read_dir(&runs).into_iter().flatten().flatten().next();
-            let found = run.map(|run| std::fs::read_dir(run.path().join("checkpoints")));
-            let folders = found.into_iter().flatten().flatten().flatten();
-            let records = folders.map(|folder| folder.path().join("checkpoint.json"));
-            records.filter(|record| record.exists()).collect::<Vec<_>>()
-        };
+        let checkpoints = || home.checkpoints(way);
         let mut command = home.command(&["--out", way]);
         let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
         crate::running::until("a checkpoint", || !checkpoints().is_empty());

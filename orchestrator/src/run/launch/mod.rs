@@ -20,7 +20,7 @@ use std::time::Duration;
 use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Role};
 use tremie_sdk::ControlPipe;
-use with_us::{Signal, end_with_us};
+use with_us::{Signal, end_with_us, ends_by_us};
 
 /// Arrival from a component: a reply, a line, or its end.
 #[derive(Debug)]
@@ -105,6 +105,7 @@ impl Launcher {
             // Ctrl-C in a terminal goes to the orchestrator alone, which ends the run in order.
             .process_group(0);
         end_with_us(&mut command, Signal::KILL);
+        ends_by_us(&mut command);
         let mut child = command.spawn().map_err(|e| format!("cannot start {shown}: {e}"))?;
         let (log_open, log_closed) = channel::<()>();
         if let Some(errors) = child.stderr.take() {

@@ -4,6 +4,9 @@
 //! it, one a task, and a script. `slurm.json` beside the tables names the arrays whose tasks may not have
 //! ended, from before Slurm gets them on: a study that was left, or killed at any time, goes on to collect
 //! them. Slurm's queue tells the script of each task, by which it is known.
+//!
+//! A run that was broken off, by a time limit or a node, goes on from its newest checkpoint. If it cannot, for
+//! the program is another now, it is given to Slurm once more, from the start.
 
 use super::folder::FolderUse;
 use super::results::{StudyEnd, StudyResults, last_words};
@@ -12,6 +15,7 @@ use super::{Study, StudyError, shell_word};
 use crate::terminal::Terminal;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -36,6 +40,9 @@ struct JobArray {
     script: PathBuf,
     /// Names of the runs of its tasks, from task 1 on.
     runs: Vec<String>,
+    /// Those of them that go on from a checkpoint.
+    #[serde(default)]
+    resumed: BTreeSet<String>,
 }
 
 /// A task: the script of its array, and its number there.
@@ -51,6 +58,8 @@ pub struct SlurmQueue<'a> {
     arrays: Vec<JobArray>,
     /// Runs that Slurm has, by their numbers: script and task.
     tasks: BTreeMap<usize, Task>,
+    /// Runs among them that go on from a checkpoint.
+    resumed: BTreeSet<usize>,
     /// When tasks were found to have ended whose files were not seen yet.
     ended: BTreeMap<usize, Instant>,
     /// Numbers of the arrays at Slurm, by their scripts.
@@ -69,8 +78,17 @@ impl<'a> SlurmQueue<'a> {
         // Without it, runs that Slurm has are found by the locks of their folders.
         let text = std::fs::read(study.folder.path().join(ARRAYS)).unwrap_or_default();
         let arrays = serde_json::from_slice(&text).unwrap_or_default();
-        let (tasks, ended, numbers) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-        Self { study, results, interrupts, at_once: jobs, arrays, tasks, ended, jobs: numbers }
+        Self {
+            study,
+            results,
+            interrupts,
+            at_once: jobs,
+            arrays,
+            tasks: BTreeMap::new(),
+            resumed: BTreeSet::new(),
+            ended: BTreeMap::new(),
+            jobs: BTreeMap::new(),
+        }
     }
 
     /// Submits all runs that are neither done nor at Slurm, and collects the results. After an interrupt the
@@ -107,7 +125,7 @@ impl<'a> SlurmQueue<'a> {
         let name = |index: usize| self.study.runs[index].name.as_str();
         let numbers: BTreeMap<&str, usize> =
             left.iter().map(|index| (name(*index), *index)).collect();
-        for JobArray { script, runs } in &self.arrays {
+        for JobArray { script, runs, resumed } in &self.arrays {
             for (task, run) in (1..).zip(runs) {
                 let task = (script.clone(), task);
                 if let Some(index) = numbers.get(run.as_str())
@@ -115,6 +133,7 @@ impl<'a> SlurmQueue<'a> {
                 {
                     self.jobs.insert(script.clone(), found.job.clone());
                     self.tasks.insert(*index, task);
+                    self.resumed.extend(resumed.contains(run).then_some(*index));
                 }
             }
         }
@@ -133,7 +152,11 @@ impl<'a> SlurmQueue<'a> {
             let run = &self.study.runs[index];
             match self.study.folder.use_of(run)? {
                 FolderUse::Done => self.results.take(index)?,
-                FolderUse::BrokenOff | FolderUse::Unfinished => {
+                FolderUse::BrokenOff => {
+                    self.resumed.insert(index);
+                    new.push(index);
+                }
+                FolderUse::Unfinished => {
                     self.study.folder.remove(run)?;
                     new.push(index);
                 }
@@ -146,10 +169,21 @@ impl<'a> SlurmQueue<'a> {
                 }
             }
         }
-        for runs in new.chunks(MOST_TASKS) {
-            self.submit_array(runs, new.len() > MOST_TASKS)?;
+        self.submit_runs(&new)
+    }
+
+    fn submit_runs(&mut self, runs: &[usize]) -> Result<(), StudyError> {
+        let is_one_of_several = runs.len() > MOST_TASKS;
+        runs.chunks(MOST_TASKS).try_for_each(|array| self.submit_array(array, is_one_of_several))
+    }
+
+    /// Command line of a run, which goes on or begins.
+    fn line_of(&self, index: usize, share: &ThreadShare) -> Result<String, StudyError> {
+        let run = &self.study.runs[index];
+        match self.resumed.contains(&index) {
+            true => self.study.resuming_line(run),
+            false => self.study.command_line(run, share),
         }
-        Ok(())
     }
 
     fn submit_array(&mut self, runs: &[usize], is_one_of_several: bool) -> Result<(), StudyError> {
@@ -163,7 +197,7 @@ impl<'a> SlurmQueue<'a> {
             runs.iter().map(|run| contents.slurm.share(&self.study.runs[*run].threads)).collect();
         let mut text = String::new();
         for (run, share) in runs.iter().zip(&shares) {
-            text += &self.study.command_line(&self.study.runs[*run], share)?;
+            text += &self.line_of(*run, share)?;
             text.push('\n');
         }
         let write = |name: &str, text: &str| {
@@ -182,8 +216,10 @@ impl<'a> SlurmQueue<'a> {
             lines,
         };
         let script = write(&script, &array.text())?;
-        let names = runs.iter().map(|run| self.study.runs[*run].name.clone()).collect();
-        self.arrays.push(JobArray { script: script.clone(), runs: names });
+        let name = |run: &usize| self.study.runs[*run].name.clone();
+        let resumed = runs.iter().filter(|run| self.resumed.contains(run)).map(name).collect();
+        let names = runs.iter().map(name).collect();
+        self.arrays.push(JobArray { script: script.clone(), runs: names, resumed });
         self.note()?;
         let job = run_command(Command::new("sbatch").arg("--parsable").arg(&script))?;
         // With a cluster's name behind it where there are several.
@@ -199,7 +235,7 @@ impl<'a> SlurmQueue<'a> {
     fn collect(&mut self) -> Result<(), StudyError> {
         let queued = queued()?;
         let (mut running, mut waiting) = (0, 0);
-        let mut gone = Vec::new();
+        let (mut gone, mut anew) = (Vec::new(), Vec::new());
         for (&index, task) in &self.tasks {
             match queued.get(task).map(|found| found.state) {
                 Some(TaskState::Waiting) => waiting += 1,
@@ -216,10 +252,18 @@ impl<'a> SlurmQueue<'a> {
             }
             let Some((script, task)) = self.tasks.remove(&index) else { continue };
             let job = self.jobs.get(&script).cloned().unwrap_or_default();
-            let words = self.study.folder.path().join(FOLDER).join(format!("{job}_{task}.txt"));
-            self.results.take_made(index, || words_of_task(&job, task, &words))?;
+            let end = TaskEnd::asked(&job, task);
+            if self.resumed.remove(&index) && !self.results.is_done(index) && end.has_failed() {
+                // Of another program, or with a state that is damaged: from the start, then.
+                self.study.folder.remove(&self.study.runs[index])?;
+                anew.push(index);
+                continue;
+            }
+            let file = self.study.folder.path().join(FOLDER).join(format!("{job}_{task}.txt"));
+            self.results.take_made(index, || end.words(&file))?;
         }
         self.forget_ended()?;
+        self.submit_runs(&anew)?;
         self.results.show(running, waiting);
         Ok(())
     }
@@ -275,12 +319,14 @@ struct ArrayScript {
 impl ArrayScript {
     fn text(&self) -> String {
         let at_once = self.at_once.map_or(String::new(), |jobs| format!("%{jobs}"));
+        // Slurm takes the quotes off; without them a name ends at its first space.
+        let quoted = |text: String| shell_word(OsStr::new(&text));
         let mut options = vec![
-            format!("--job-name={}", self.name),
+            format!("--job-name={}", quoted(self.name.clone())),
             format!("--array=1-{}{at_once}", self.tasks),
             format!("--cpus-per-task={}", self.threads),
-            format!("--output={}/%A_%a.txt", self.folder.display()),
-            // A run that was broken off is made again by the next study, in a folder that is empty.
+            format!("--output={}", quoted(format!("{}/%A_%a.txt", self.folder.display()))),
+            // With a run that was broken off the next study goes on, as it can.
             "--no-requeue".into(),
         ];
         options.extend(self.in_turn.then(|| "--dependency=singleton".into()));
@@ -328,22 +374,44 @@ fn task_of_line(line: &str) -> Option<(Task, QueuedTask)> {
     Some(((script, task), QueuedTask { job: job.to_string(), state }))
 }
 
-/// What a task said that failed, with Slurm's word on it, as long as Slurm remembers.
-fn words_of_task(job: &str, task: usize, file: &std::path::Path) -> String {
-    let asked = Command::new("scontrol")
-        .args(["--oneliner", "show", "job"])
-        .arg(format!("{job}_{task}"))
-        .stdin(Stdio::null())
-        .output();
-    let told = asked.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
-    let told = told.unwrap_or_default();
-    let of = |key: &str| told.split_whitespace().find_map(|word| word.strip_prefix(key));
-    let slurm = match (of("JobState="), of("ExitCode=")) {
-        (Some(state), Some(code)) => format!("  Slurm: job {job}_{task} {state}, exit code {code}"),
-        _ => format!("  Slurm: job {job}_{task} has ended"),
-    };
-    let said = File::open(file).map(|mut file| last_words(&mut file)).unwrap_or_default();
-    if said.is_empty() { slurm } else { format!("{slurm}\n{said}") }
+/// What Slurm says of a task that has ended, as long as it remembers.
+struct TaskEnd {
+    /// Array and number, as Slurm writes them.
+    task: String,
+    /// Its word and the exit code.
+    state: Option<[String; 2]>,
+}
+
+impl TaskEnd {
+    /// Asks Slurm.
+    fn asked(job: &str, task: usize) -> Self {
+        let task = format!("{job}_{task}");
+        let mut command = Command::new("scontrol");
+        command.args(["--oneliner", "show", "job", &task]).stdin(Stdio::null());
+        let told = command.output().map(|output| output.stdout).unwrap_or_default();
+        let told = String::from_utf8_lossy(&told);
+        let of = |key: &str| {
+            told.split_whitespace().find_map(|word| word.strip_prefix(key)).map(String::from)
+        };
+        let state = of("JobState=").zip(of("ExitCode=")).map(|(state, code)| [state, code]);
+        Self { task, state }
+    }
+
+    /// True if the program ended by itself, and not well; a limit or a user did not end it.
+    fn has_failed(&self) -> bool {
+        self.state.as_ref().is_some_and(|[state, _]| state == "FAILED")
+    }
+
+    /// Slurm's word, and the last that the task wrote to a file.
+    fn words(&self, file: &std::path::Path) -> String {
+        let task = &self.task;
+        let slurm = match &self.state {
+            Some([state, code]) => format!("  Slurm: job {task} {state}, exit code {code}"),
+            None => format!("  Slurm: job {task} has ended"),
+        };
+        let said = File::open(file).map(|mut file| last_words(&mut file)).unwrap_or_default();
+        if said.is_empty() { slurm } else { format!("{slurm}\n{said}") }
+    }
 }
 
 /// Output of one of Slurm's commands.
@@ -380,7 +448,7 @@ mod tests {
             "#!/bin/sh",
             "#SBATCH --array=1-12%3",
             "#SBATCH --cpus-per-task=4",
-            "#SBATCH --output=/home/a b/slurm/%A_%a.txt",
+            "#SBATCH --output='/home/a b/slurm/%A_%a.txt'",
             "#SBATCH --time=1:00:00",
             "eval \"exec $(sed -n \"${SLURM_ARRAY_TASK_ID}p\" '/home/a b/slurm/1.lines')\"",
         ] {
