@@ -37,7 +37,7 @@ mod solver;
 #[cfg(feature = "component")]
 pub use fluid::{benchmark::benchmarks, component};
 
-pub use boundary::virtual_piston::face::ReservoirState;
+pub use boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
 pub use domain::parameters::{
     Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls,
 };

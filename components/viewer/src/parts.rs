@@ -58,7 +58,7 @@ fn seen(part: &Part, mesh: &Mesh, mirrors: &[Mirror]) -> Mesh {
 
 fn colour(part: &Part) -> [u8; 4] {
     match part.boundary {
-        PartBoundary::Velocity { .. } => VELOCITY,
+        PartBoundary::Velocity { .. } | PartBoundary::Reservoir(_) => VELOCITY,
         PartBoundary::Pressure { .. } => PRESSURE,
         PartBoundary::Wall if part.cavity => CAVITY,
         PartBoundary::Wall if part.motion != Motion::Fixed => MOVING,

@@ -166,6 +166,7 @@ fn describe_part(part: &Part) -> String {
         PartBoundary::Wall => "wall",
         PartBoundary::Velocity { .. } => "velocity",
         PartBoundary::Pressure { .. } => "pressure",
+        PartBoundary::Reservoir(_) => "reservoir",
     };
     format!("{motion}, {boundary}{}", if part.cavity { ", fluid inside" } else { "" })
 }

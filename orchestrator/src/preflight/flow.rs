@@ -1,16 +1,21 @@
 //! Net flow in and out through the domain's faces.
 
 use tremie_messages::Finding;
-use tremie_messages::scene::{Course, Face, OpenVelocity, PartBoundary, Profile, Scene};
+use tremie_messages::scene::{
+    Course, Face, OpenVelocity, Part, PartBoundary, Profile, Reservoir, Scene,
+};
 
 /// The net rate of flow through faces with a given velocity, where no pressure lets it balance.
 pub(super) fn findings(scene: &Scene) -> Option<Finding> {
     // A free surface rises and falls by what flows in and out.
     scene.fluid.as_ref().filter(|fluid| fluid.fill.is_empty())?;
     let faces = || scene.domain.faces.iter().flatten();
-    // A pressure at a face, or a part that is no wall, lets any rate in or out.
+    // A pressure at a face, or a part that lets fluid through, lets any rate in or out.
+    let is_free = |part: &Part| {
+        matches!(part.boundary, PartBoundary::Velocity { .. } | PartBoundary::Pressure { .. })
+    };
     let balanced = faces().any(|face| matches!(face, Face::Pressure { .. }))
-        || scene.parts.iter().any(|part| part.boundary != PartBoundary::Wall);
+        || scene.parts.iter().any(is_free);
     if !balanced && let Some(finding) = pistons(scene) {
         return Some(finding);
     }
@@ -53,17 +58,20 @@ pub(super) fn findings(scene: &Scene) -> Option<Finding> {
 /// Flow that the pistons of reservoirs displace where it has no way out [m³/s]. A reservoir gives
 /// way, so the pressure rises only as long as a piston moves.
 fn pistons(scene: &Scene) -> Option<Finding> {
-    let faces = || scene.domain.faces.iter().flatten();
-    let rate = |face: &Face| match face {
-        Face::Reservoir(reservoir) => Some(reservoir.piston * reservoir.area),
+    let of_faces = scene.domain.faces.iter().flatten().filter_map(|face| match face {
+        Face::Reservoir(reservoir) => Some(reservoir),
         _ => None,
-    };
-    let net = faces().filter_map(rate).reduce(|a, b| a + b)?;
-    let stopped =
-        |face: &Face| matches!(face, Face::Reservoir(r) if r.stop.is_none() && r.piston != 0.0);
+    });
+    let of_parts = scene.parts.iter().filter_map(|part| match &part.boundary {
+        PartBoundary::Reservoir(reservoir) => Some(reservoir),
+        _ => None,
+    });
+    let reservoirs: Vec<&Reservoir> = of_faces.chain(of_parts).collect();
+    let net = reservoirs.iter().map(|r| r.piston * r.area).reduce(|a, b| a + b)?;
+    let is_endless = |r: &&Reservoir| r.stop.is_none() && r.piston != 0.0;
     let finding = Finding::new("flow displaced by pistons", net, "m3/s");
     Some(finding.doubtful_if(
-        faces().any(stopped),
+        reservoirs.iter().any(is_endless),
         "a piston moves without end and no face has a pressure, so it compresses the fluid until the run fails",
         "give one face a pressure, as { pressure = \"0 Pa\" }, or the piston a stop",
     ))
@@ -85,7 +93,7 @@ fn rate(scene: &Scene, axis: usize, open: &OpenVelocity) -> f64 {
 mod tests {
     use super::*;
     use tremie_messages::Verdict;
-    use tremie_messages::scene::{Domain, FluidMaterial, Outflow, Reservoir};
+    use tremie_messages::scene::{Domain, FluidMaterial, Outflow};
 
     fn scene(lower: Face, upper: Face) -> Scene {
         let domain = Domain::new(

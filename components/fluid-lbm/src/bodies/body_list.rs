@@ -154,6 +154,12 @@ impl Bodies {
         self.living.get_mut(place).filter(|body| body.handle == handle)
     }
 
+    /// The body with a handle, if it lives.
+    pub fn find_living(&self, handle: u32) -> Option<&Body> {
+        let place = *self.places.get(handle as usize)? as usize;
+        self.living.get(place).filter(|body| body.handle == handle)
+    }
+
     /// The body with a handle, living or leaving.
     pub fn any_with_handle(&self, handle: u32) -> &Body {
         match self.leaving.iter().find(|b| b.handle == handle) {
@@ -371,8 +377,9 @@ impl Bodies {
             || self.leaving.iter().any(Body::is_part)
     }
 
-    /// Forgets the bodies that left, once nobody needs them.
-    pub fn forget_leaving(&mut self) {
+    /// Forgets who came and who left, once nobody needs it.
+    pub fn forget_events(&mut self) {
+        self.newcomers.clear();
         self.free.extend(self.leaving.drain(..).map(|b| b.handle));
     }
 }

@@ -8,6 +8,7 @@ use crate::boundary::post_collision::nearest_wall;
 use crate::boundary::sheet_links::{SheetItem, SheetLinks};
 use crate::boundary::static_wall_links::{self, StaticWallLinks};
 use crate::boundary::virtual_piston::face::ReservoirFace;
+use crate::boundary::virtual_piston::part_surface::ReservoirSurface;
 use crate::boundary::wall_distances::WallDistances;
 use crate::boundary::wall_mass::Patches;
 use crate::domain::boundary_condition::BoundaryCondition;
@@ -23,9 +24,10 @@ use tremie_fluid_kit::cells::centres::Centres;
 use tremie_fluid_kit::cells::obstacles::Obstacles;
 use tremie_fluid_kit::survey::displaced_volume::Displaced;
 use tremie_fluid_kit::survey::mirrors::mirrors_of_part;
+use tremie_fluid_kit::survey::solids::Solid;
 use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 use tremie_geometry::Surface;
-use tremie_messages::scene::{Face, Scene};
+use tremie_messages::scene::{Face, PartBoundary, Scene};
 
 /// Faces of the domain and static solids.
 pub struct Boundaries {
@@ -69,6 +71,8 @@ pub struct Built<T: Real> {
     pub faces: Vec<Box<dyn FaceScheme<T>>>,
     /// Faces with a reservoir.
     pub reservoirs: Vec<ReservoirFace>,
+    /// Surfaces of parts with a reservoir.
+    pub surfaces: Vec<ReservoirSurface>,
 }
 
 impl Boundaries {
@@ -171,6 +175,7 @@ impl Boundaries {
             SheetLinks::new(&layout, &met, |fixture| self.laws[usize::from(fixture.0)].clone());
         let areas = self.open_areas(&layout, &open, &met);
         let (faces, reservoirs) = self.open_faces(&layout, &open, &areas);
+        let (surfaces, met) = self.reservoir_surfaces(met);
         let is_at_rest = |met: &Blocked| {
             self.laws[usize::from(met.fixture.0)]
                 .as_ref()
@@ -201,7 +206,30 @@ impl Boundaries {
             halfway,
             faces,
             reservoirs,
+            surfaces,
         }
+    }
+
+    /// The surfaces of parts with a reservoir, and the links that end at something else.
+    fn reservoir_surfaces(
+        &self,
+        met: Vec<(Blocked, f64)>,
+    ) -> (Vec<ReservoirSurface>, Vec<(Blocked, f64)>) {
+        let is_reservoir = |(met, _): &(Blocked, f64)| {
+            let law = &self.laws[usize::from(met.fixture.0)];
+            matches!(law, Some(BoundaryCondition::Reservoir))
+        };
+        let (links, met): (Vec<_>, Vec<_>) = met.into_iter().partition(is_reservoir);
+        let mirrors = self.faces.chunks(2).filter(|pair| pair.contains(&Face::Symmetry)).count();
+        let surface = |(number, solid): (usize, &Solid)| {
+            let PartBoundary::Reservoir(reservoir) = &solid.boundary else { return None };
+            let fixture = BoundaryId::solid(number as u16);
+            let own = |&(link, _): &(Blocked, f64)| (link.fixture == fixture).then_some(link);
+            let links: Vec<Blocked> = links.iter().filter_map(own).collect();
+            let own = (solid.part?, fixture);
+            Some(ReservoirSurface::new(own, &links, reservoir, mirrors, &self.units))
+        };
+        (self.ground.solids.iter().enumerate().filter_map(surface).collect(), met)
     }
 
     /// Open areas of the cells at faces that prescribe a velocity, from the links that open faces

@@ -364,7 +364,11 @@ impl<T: Real> PostCollision<'_, T> {
             let g = self.post_one(cell, link.dir.into());
             let f = match now[fixture.0 as usize] {
                 BoundaryValue::Wall(u) => self.at_wall(cell, link, g, u, all.as_ref(), exchange),
-                BoundaryValue::Density(drho) => at_density(link, g, drho, all.as_ref()),
+                BoundaryValue::Density(drho) => {
+                    let all =
+                        all.as_ref().expect("populations were read because the surface is no wall");
+                    at_density(link.dir.into(), g, drho, all)
+                }
             };
             *value = (g, f + met.pay(link));
         }
@@ -445,10 +449,9 @@ impl<T: Real> PostCollision<'_, T> {
     }
 }
 
-/// Population `f_i'` that comes back from a surface with density `1 + drho`.
-fn at_density(link: &WallLink, g: f64, drho: f64, all: Option<&[f64; Q]>) -> f64 {
-    let i = link.dir as usize;
-    let all = all.expect("populations were read because the surface is no wall");
+/// Population `f_i'` that comes back from a surface with density `1 + drho`, of the link `i` of a cell
+/// with these populations.
+pub fn at_density(i: usize, g: f64, drho: f64, all: &[f64; Q]) -> f64 {
     let rho = density(all);
     let u: [f64; 3] =
         std::array::from_fn(|a| (0..Q).map(|i| all[i] * C_F64[i][a]).sum::<f64>() / rho);

@@ -30,7 +30,7 @@ pub enum BoundaryCondition {
         /// Factor over time [s].
         course: Course,
     },
-    /// The density follows from the flow: see `face`.
+    /// The density follows from the flow: see `face` and `part_surface`.
     Reservoir,
 }
 
@@ -73,6 +73,7 @@ impl BoundaryCondition {
                 course: course.clone(),
             },
             PartBoundary::Pressure { pressure, course } => Self::density(*pressure, course, units),
+            PartBoundary::Reservoir(_) => Self::Reservoir,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The lattice fluid as a component of a run.
 
-use crate::boundary::virtual_piston::face::ReservoirState;
+use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::domain::parameters::Parameters;
 use crate::fluid::lbm_fluid::LbmFluid;
 use crate::fluid::signals::{FluidState, OF_FLUID, signals};

@@ -1,7 +1,7 @@
 //! The fluid as its users see it: SI units outside, one precision or the other inside.
 
 use crate::bodies::body::UnionShare;
-use crate::boundary::virtual_piston::face::ReservoirState;
+use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::parameters::{Parameters, Precision};
 use crate::lattice::d3q19::LINKS;

@@ -1,10 +1,9 @@
 //! Signals of the fluid: name, unit, meaning and value of each, in the order in which they are
 //! told.
 
-use crate::boundary::virtual_piston::face::{OF_RESERVOIRS, reservoirs_of};
+use crate::boundary::virtual_piston::reservoir_state::{OF_RESERVOIRS, reservoirs_of};
 use crate::lattice::ledger::Ledger;
 use crate::solver::diagnostics::Diagnostics;
-use tremie_fluid_kit::cells::grid::face_name;
 use tremie_fluid_kit::probes::probe_signals::describe_probes;
 use tremie_fluid_kit::window::fluid_signals::{OF_PARTS, OF_WALLS, describe_loads};
 use tremie_sdk::messages::scene::Scene;
@@ -111,8 +110,8 @@ pub const OF_FLUID: [SignalRow<FluidState>; 26] = [
 pub fn signals(scene: &Scene) -> Vec<Signal> {
     let mut all: Vec<_> = describe(&OF_FLUID, "").collect();
     all.extend(describe_loads(scene, &OF_WALLS, &OF_PARTS));
-    for (axis, side, _) in reservoirs_of(scene) {
-        let before = format!("reservoir_{}.", face_name(axis, side));
+    for (place, _) in reservoirs_of(scene) {
+        let before = format!("reservoir_{}.", place.name(scene));
         all.extend(describe(&OF_RESERVOIRS, &before));
     }
     all.extend(describe_probes(scene));

@@ -1,6 +1,6 @@
 //! Errors of the fluid at run time.
 
-use tremie_fluid_kit::cells::grid::face_name;
+use crate::boundary::virtual_piston::reservoir_state::ReservoirPlace;
 use tremie_messages::finding::short;
 
 /// A fault of a running fluid.
@@ -145,13 +145,11 @@ pub enum FluidError {
     #[error(
         "the reservoir at {} is spent at {time} s: {left:.1} % of its {volume} m³ is left, and the piston may leave no \
          less than 5 %; a larger volume lasts longer, a stop before that time ends the stroke",
-        face_name(*axis, *side)
+        place
     )]
     ReservoirSpent {
-        /// Axis of the face, 0, 1, 2 for x, y, z.
-        axis: usize,
-        /// 0 for the lower, 1 for the upper face.
-        side: usize,
+        /// Where the reservoir is.
+        place: ReservoirPlace,
         /// Volume that is left [%].
         left: f64,
         /// Volume at time zero [m³].
@@ -161,17 +159,15 @@ pub enum FluidError {
     },
     /// The fluid passes the face of a reservoir too fast for the lattice.
     #[error(
-        "the fluid passes the reservoir's face {} at {speed:.4} m/s (limit {limit:.4} m/s, a tenth of a cell a step) \
+        "the fluid passes the reservoir at {} with {speed:.4} m/s (limit {limit:.4} m/s, a tenth of a cell a step) \
          while the gauge pressure there is {pressure:.4e} Pa; a smaller time step raises the limit, a slower ramp of the \
          piston lowers the speed",
-        face_name(*axis, *side)
+        place
     )]
     ReservoirFlow {
-        /// Axis of the face, 0, 1, 2 for x, y, z.
-        axis: usize,
-        /// 0 for the lower, 1 for the upper face.
-        side: usize,
-        /// Largest speed through the face [m/s].
+        /// Where the reservoir is.
+        place: ReservoirPlace,
+        /// Largest speed through the face or surface [m/s].
         speed: f64,
         /// Limit [m/s].
         limit: f64,

@@ -1,9 +1,9 @@
 //! Findings on a reservoir's numbers on the lattice, before it runs.
 
-use crate::boundary::virtual_piston::cylinder::LEAST;
-use crate::boundary::virtual_piston::face::{FASTEST, reservoirs_of};
+use crate::boundary::virtual_piston::cylinder::{FASTEST, LEAST};
+use crate::boundary::virtual_piston::part_surface::parts_of_area;
+use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, reservoirs_of};
 use crate::report::resolution::Resolution;
-use tremie_fluid_kit::cells::grid::face_name;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, Reservoir, Scene};
@@ -11,40 +11,58 @@ use tremie_messages::scene::{Face, Reservoir, Scene};
 /// Relative difference between the area of cells at a face and the piston's that goes unsaid.
 const AREA: f64 = 0.01;
 
+/// Such a difference of the side of a part: links at its edges end at the walls beside it.
+const AREA_OF_PART: f64 = 0.1;
+
 /// Of each reservoir: the area that its face has, how fast its piston is, and how long it lasts.
 pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
-    let cells = &resolution.reservoir_cells;
-    let of = |((axis, side, reservoir), cells): ((usize, usize, &Reservoir), &(_, _, usize))| {
-        let name = face_name(axis, side);
-        let face = cells.2 as f64 * resolution.cell * resolution.cell;
-        let area = area(scene, axis, &name, reservoir, face);
+    let of = |((place, reservoir), cells): ((ReservoirPlace, &Reservoir), &f64)| {
+        let name = place.name(scene);
+        let face = cells * resolution.cell * resolution.cell;
+        let area = area(scene, place, &name, reservoir, face);
         [Some(area), Some(speed(&name, reservoir, resolution)), life(&name, reservoir)]
     };
-    reservoirs_of(scene).zip(cells).flat_map(of).flatten().collect()
+    reservoirs_of(scene).zip(&resolution.reservoir_areas).flat_map(of).flatten().collect()
 }
 
-/// The face's area over the piston's. One that a symmetry plane cuts counts as the whole, if that
-/// is nearer.
-fn area(scene: &Scene, axis: usize, name: &str, reservoir: &Reservoir, face: f64) -> Finding {
-    let cut = |a: &usize| *a != axis && scene.domain.faces[*a].contains(&Face::Symmetry);
+/// The area of a face or surface over the piston's. One that a symmetry plane cuts counts as the whole,
+/// if that is nearer.
+fn area(
+    scene: &Scene,
+    place: ReservoirPlace,
+    name: &str,
+    reservoir: &Reservoir,
+    found: f64,
+) -> Finding {
+    let is_across = |a: usize| matches!(place, ReservoirPlace::Face { axis, .. } if axis == a);
+    let cut = |a: &usize| !is_across(*a) && scene.domain.faces[*a].contains(&Face::Symmetry);
     let mirrors = (0..3).filter(cut).count();
-    let ratio = (0..=mirrors)
-        .map(|k| f64::from(1_u32 << k) * face / reservoir.area)
-        .min_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))
-        .unwrap_or(f64::NAN);
-    let why = format!(
-        "the cells at the face have {} m2 of the piston's {} m2; the volume is scaled with them, to {} m3, so that the \
-         cylinder stays {} m long",
-        short(ratio * reservoir.area),
-        short(reservoir.area),
-        short(ratio * reservoir.volume),
-        short(reservoir.length())
-    );
-    Finding::new(format!("area of the face {name} over its reservoir's piston"), ratio, "1")
+    let ratio = parts_of_area(reservoir.area, found, mirrors) * found / reservoir.area;
+    let (area, whole) = (short(ratio * reservoir.area), short(reservoir.area));
+    let (volume, length) = (short(ratio * reservoir.volume), short(reservoir.length()));
+    let (what, most, why) = match place {
+        ReservoirPlace::Face { .. } => (
+            "face",
+            AREA,
+            format!(
+                "the cells at the face have {area} m2 of the piston's {whole} m2; the volume is scaled with them, to \
+                 {volume} m3, so that the cylinder stays {length} m long"
+            ),
+        ),
+        ReservoirPlace::Part(_) => (
+            "surface",
+            AREA_OF_PART,
+            format!(
+                "the links that end at the part have {area} m2 of the piston's {whole} m2; what flows is the piston's \
+                 area times its velocity, so the fluid is as much faster at the surface"
+            ),
+        ),
+    };
+    Finding::new(format!("area of the {what} {name} over its reservoir's piston"), ratio, "1")
         .doubtful_if(
-            (ratio - 1.0).abs() > AREA,
+            (ratio - 1.0).abs() > most,
             why,
-            "give the area of the bore at the face, or a cell that meets it better",
+            "give the area of the bore there, or a cell that meets it better",
         )
 }
 

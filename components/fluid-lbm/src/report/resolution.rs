@@ -1,14 +1,16 @@
 //! Resolution by the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::bodies::body_memory;
-use crate::boundary::virtual_piston::face::reservoirs_of;
+use crate::boundary::virtual_piston::part_surface::{ONE_WAY, area_of_link};
+use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, reservoirs_of};
 use crate::domain::parameters::{Parameters, Precision};
 use crate::lattice::aa_pattern;
-use crate::lattice::d3q19::{CS2, LINKS, Q};
+use crate::lattice::d3q19::{C, CS2, LINKS, Q, dot};
+use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Field;
 use crate::report::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
-use tremie_fluid_kit::cells::grid::face_name;
+use tremie_fluid_kit::cells::grid::Reach;
 use tremie_fluid_kit::cells::whole_cells::whole_cells;
 use tremie_fluid_kit::checks::gap_width_check::{Narrow, narrowest};
 use tremie_fluid_kit::checks::grain_space_check::{DryRegion, Throat, dry_regions, throat};
@@ -51,8 +53,8 @@ pub struct Resolution {
     pub dry_regions: Vec<DryRegion>,
     /// The narrowest place on the way of grains to where they leave.
     pub throat: Option<Throat>,
-    /// Cells of the fluid at the faces that have a reservoir: axis, side, number.
-    pub reservoir_cells: Vec<(usize, usize, usize)>,
+    /// Area of each face or surface that has a reservoir, in the order of reservoirs [cells].
+    pub reservoir_areas: Vec<f64>,
     /// Parts whose files had to be mended.
     pub mended: Vec<MendedPart>,
     /// Notes on the geometry in cells; sentences.
@@ -102,7 +104,7 @@ impl Parameters {
             Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes + of_bodies,
             _ => return Err(vec![too_many(cells)]),
         };
-        let reservoir_cells = reservoir_cells(scene, &ground)?;
+        let reservoir_areas = reservoir_areas(scene, &ground)?;
         let smallest = smallest_diameter(scene).map(|d| d / self.cell.0);
         let [narrowest_gap, narrowest_gap_of_bodies] = narrowest(scene, &ground);
         let resolution = Resolution {
@@ -121,7 +123,7 @@ impl Parameters {
             narrowest_gap_of_bodies,
             dry_regions: dry_regions(scene, &ground),
             throat: throat(scene, &ground),
-            reservoir_cells,
+            reservoir_areas,
             mended: mended_parts(scene, &ground),
             notes: ground.notes(),
             warnings: warnings(memory_bytes),
@@ -245,25 +247,58 @@ impl Parameters {
     }
 }
 
-/// Cells of the fluid at each face that has a reservoir.
-fn reservoir_cells(
-    scene: &Scene,
-    ground: &StaticGeometry,
-) -> Result<Vec<(usize, usize, usize)>, Vec<Problem>> {
-    let of = |(axis, side, _)| {
-        let own = |index: &usize| {
-            ground.grid.open_faces(ground.grid.at(*index)).next() == Some((axis, side))
+/// Area of each face or surface that has a reservoir [cells].
+fn reservoir_areas(scene: &Scene, ground: &StaticGeometry) -> Result<Vec<f64>, Vec<Problem>> {
+    let of = |(place, _): (ReservoirPlace, _)| {
+        let area = match place {
+            ReservoirPlace::Face { axis, side } => cells_at_face(ground, (axis, side)) as f64,
+            ReservoirPlace::Part(part) => area_of_part(ground, part).map_err(|found| {
+                let help = "let the fluid touch one side of the part alone";
+                vec![Problem::new(place.key(), found).help(help)]
+            })?,
         };
-        let solid = &ground.voxels.obstacles.solid;
-        let count = (0..ground.grid.len()).filter(|k| solid[*k] == 0).filter(own).count();
-        if count > 0 {
-            return Ok((axis, side, count));
+        if area > 0.0 {
+            return Ok(area);
         }
-        let key = format!("scene.domain.faces.{}", face_name(axis, side));
-        let found = "the reservoir at this face reaches no fluid: solids cover all cells there";
-        Err(vec![Problem::new(key, found).help("let the bore end at the face of the domain")])
+        let found = "the reservoir reaches no fluid: solids cover all cells there";
+        let help = "let the bore end at the face of the domain, or at the part";
+        Err(vec![Problem::new(place.key(), found).help(help)])
     };
     reservoirs_of(scene).map(of).collect()
+}
+
+/// Cells of the fluid at a face.
+fn cells_at_face(ground: &StaticGeometry, face: (usize, usize)) -> usize {
+    let own = |index: &usize| ground.grid.open_faces(ground.grid.at(*index)).next() == Some(face);
+    let solid = &ground.voxels.obstacles.solid;
+    (0..ground.grid.len()).filter(|k| solid.get(*k).is_none_or(|&s| s == 0)).filter(own).count()
+}
+
+/// Area of the side of a part that the fluid touches [cells].
+fn area_of_part(ground: &StaticGeometry, part: usize) -> Result<f64, &'static str> {
+    let number = ground.solids.iter().position(|solid| solid.part == Some(part));
+    let Some(own) = number.map(|number| number as u16 + 1) else { return Ok(0.0) };
+    let (grid, solid) = (&ground.grid, &ground.voxels.obstacles.solid);
+    let (mut whole, mut amounts) = ([0.0; 3], 0.0);
+    for index in (0..solid.len()).filter(|&k| solid[k] == 0) {
+        let at = grid.at(index);
+        let mut area = [0.0; 3];
+        for i in 1..Q {
+            let to = std::array::from_fn(|a| at[a] + C[i][a]);
+            if let Reach::Cell { at: end, .. } = grid.reach(to)
+                && solid[grid.index(end)] == own
+            {
+                add_scaled(&mut area, area_of_link(i), 1.0);
+            }
+        }
+        add_scaled(&mut whole, area, 1.0);
+        amounts += dot(area, area).sqrt();
+    }
+    let area = dot(whole, whole).sqrt();
+    if area < ONE_WAY * amounts {
+        return Err("a reservoir's surface must look one way, and this part's looks several");
+    }
+    Ok(area)
 }
 
 fn too_many(cells: [usize; 3]) -> Problem {

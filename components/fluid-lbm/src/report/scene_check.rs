@@ -1,7 +1,6 @@
 //! Demands of a scene that this fluid cannot meet.
 
-use crate::boundary::virtual_piston::face::reservoirs_of;
-use tremie_fluid_kit::cells::grid::face_name;
+use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, reservoirs_of};
 use tremie_fluid_kit::checks::material_check::check_material;
 use tremie_messages::Problem;
 use tremie_messages::scene::{
@@ -37,7 +36,7 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
                 Problem::new(
                     format!("scene.parts[{index}].boundary"),
                     format!(
-                        "{} moves; the lattice-Boltzmann fluid knows velocity and pressure only of parts that stand still",
+                        "{} moves; the lattice-Boltzmann fluid knows velocity, pressure and reservoirs only of parts that stand still",
                         part.name
                     ),
                 )
@@ -121,6 +120,9 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
             PartBoundary::Wall => {}
             PartBoundary::Velocity { velocity, course } => check(key, velocity, course),
             PartBoundary::Pressure { pressure, course } => check(key, &[*pressure], course),
+            PartBoundary::Reservoir(reservoir) => {
+                check(key, &reservoir_numbers(reservoir), &reservoir.course);
+            }
         }
     }
     check_probes(scene, problems);
@@ -179,8 +181,19 @@ fn reservoir_numbers(reservoir: &Reservoir) -> [f64; 5] {
 
 /// Checks of what only makes sense within bounds.
 fn check_reservoirs(scene: &Scene, problems: &mut Vec<Problem>) {
-    for (axis, side, reservoir) in reservoirs_of(scene) {
-        let key = format!("scene.domain.faces.{}", face_name(axis, side));
+    let at_faces: Vec<String> = reservoirs_of(scene)
+        .filter(|(place, _)| matches!(place, ReservoirPlace::Face { .. }))
+        .map(|(place, _)| place.name(scene))
+        .collect();
+    for (place, reservoir) in reservoirs_of(scene) {
+        let key = place.key();
+        if let ReservoirPlace::Part(index) = place
+            && at_faces.contains(&scene.parts[index].name)
+        {
+            let found = "the reservoir at the face of this name has the same signals";
+            let key = format!("scene.parts[{index}].name");
+            problems.push(Problem::new(key, found).help("give the part another name"));
+        }
         for (what, value, unit) in
             [("area", reservoir.area, "m²"), ("volume", reservoir.volume, "m³")]
         {

@@ -12,9 +12,9 @@ use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::units::Units;
 use crate::solver::budget::Budget;
 use crate::solver::collide_and_stream::CollideAndStream;
+use crate::solver::crossing_bodies::count_crossing;
 use crate::solver::deformable_surfaces::AwaitedSurfaces;
 use crate::solver::diagnostics::{Diagnostics, Extreme};
-use crate::solver::displaced_fluid::return_displaced;
 use crate::solver::execution::Execution;
 use crate::solver::facet_loads;
 use crate::solver::gap_model::GapModel;
@@ -191,7 +191,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.budget.begin(&self.bodies.list.leaving);
         self.update_cover(states);
         self.pinched.find(&self.lattice);
-        self.bodies.list.newcomers.clear();
+        self.bodies.list.forget_events();
         self.collision.measure(&mut self.lattice, &mut self.exec);
         self.bodies.forget_exchange();
         self.gaps.seen.fill(Seen::NONE);
@@ -220,15 +220,17 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.budget.begin(&self.bodies.list.leaving);
         // Cells change between fluid and solid; what bodies uncover is refilled before it collides.
         self.update_cover(states);
-        // The fluid that a body displaces as it appears goes back to the reservoir: a piston's way
-        // stays the volume that enters.
-        return_displaced(&mut self.faces, &mut self.bodies.list, &self.gaps, &self.lattice);
+        // Fluid and bodies that enter have the volume of the piston's way together.
+        if count_crossing(&mut self.faces, &self.bodies.list, &self.gaps, &self.lattice) {
+            self.budget.lost.change();
+        }
+        self.bodies.list.forget_events();
         // f_i(x + c_i, t + 1) = g_i(x, t), in one array (AA pattern, Bailey et al. 2009): half-way
         // walls and mirrors are in the addresses.
         self.collision.step(&mut self.lattice, &mut self.exec);
         self.lattice.steps += 1;
         // f_i'(x, t + 1) of links that met a surface, by its distance (Bouzidi et al. 2001).
-        self.bounce_back();
+        self.bounce_back()?;
         self.lattice.parity = self.lattice.parity.flipped();
         // All f_i at open faces: Guo et al. 2002, Zou & He 1997, Mutabaruka & Kamrin 2018, Eq. 31.
         // Last, for they read what all others wrote.
@@ -267,7 +269,6 @@ impl<T: CollisionKernel> LbmSolver<T> {
         lattice.note_changes();
         gaps.find_openings(lattice, &bodies.list, exec);
         lattice.flags.forget_changes();
-        bodies.list.forget_leaving();
         if outgrown {
             self.list_items();
         }
@@ -278,11 +279,12 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// Reflects what ran into bodies and walls. A link's result takes the place of what another
     /// link reads: so what is cut or slips is read first and written last. Bodies come before
     /// walls: at a cell between both they read what the wall's links change in place.
-    fn bounce_back(&mut self) {
-        let Self { lattice, collision, bodies, walls, gaps, exec, .. } = self;
+    fn bounce_back(&mut self) -> Result<(), FluidError> {
+        let Self { lattice, collision, bodies, walls, faces, gaps, exec, .. } = self;
         let GapModel { tables, modelled, slip, seen, .. } = gaps;
         let after = collision.after(lattice, tables, bodies.keeps_mass, exec.variant);
         let any_cut = bodies.read_cuts(&after, exec);
+        faces.read_surfaces(&after, exec);
         if tables.slips {
             slip.read(&after, &bodies.list, &mut exec.team);
         }
@@ -296,6 +298,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if any_cut {
             bodies.write_cuts(&after);
         }
+        faces.write_surfaces(&after, &walls.conditions.references, &lattice.units, exec)
     }
 
     /// Gives the bodies their loads, from what their links exchanged and what gaps press.
@@ -310,14 +313,15 @@ impl<T: CollisionKernel> LbmSolver<T> {
 
     /// Completes the balance of a step, which may have been without a collision.
     fn close_budget(&mut self, collided: bool) {
-        let Self { lattice, collision, bodies, walls, gaps, budget, .. } = self;
+        let Self { lattice, collision, bodies, walls, faces, gaps, budget, .. } = self;
         let slip = gaps.tables.slips.then_some(&gaps.slip);
-        let mirrors = walls.join_exchanges(&collision.blocks, &collision.tally, slip);
+        let (blocks, tally) = (&collision.blocks, &collision.tally);
+        let mirrors = walls.join_exchanges(blocks, tally, slip, &faces.surfaces);
         if collided {
             budget.add_forces(lattice, self.pinched.impulse, gaps.modelled.impulse);
             budget.add_bodies(&bodies.total, mirrors);
             budget.add_walls(walls);
-            budget.add_open_faces(&self.faces, walls);
+            budget.add_open_faces(faces, walls);
         }
         for (fixture, pressed) in walls.exchanges.iter_mut().zip(&gaps.pressed) {
             fixture.join(pressed);

@@ -14,8 +14,8 @@
 //! last cells, by which the cells that the fluid has come and go (see `mass_correction`). Walls of
 //! spheres are closed and recede by nothing, but where bodies keep accounts: those count it. A part
 //! that prescribes velocity or pressure lets fluid through, and what its links brought is no loss,
-//! interpolated or not. A step in which bodies appear or vanish counts nothing: what they displace
-//! is no loss.
+//! interpolated or not. A step in which bodies appear, vanish or cross a reservoir's face counts
+//! nothing: what they displace is no loss.
 
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,9 @@
 
 pub mod budget;
 pub mod collide_and_stream;
+pub mod crossing_bodies;
 pub mod deformable_surfaces;
 pub mod diagnostics;
-pub mod displaced_fluid;
 pub mod execution;
 pub mod facet_loads;
 pub mod gap_model;

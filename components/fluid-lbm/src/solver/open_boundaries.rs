@@ -2,9 +2,13 @@
 
 use crate::boundary::boundaries::Built;
 use crate::boundary::face_scheme::{FaceScheme, PostStreaming, StepBegin};
-use crate::boundary::virtual_piston::face::{ReservoirFace, ReservoirState};
+use crate::boundary::post_collision::PostCollision;
+use crate::boundary::virtual_piston::face::ReservoirFace;
+use crate::boundary::virtual_piston::part_surface::ReservoirSurface;
+use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::lattice::error::FluidError;
 use crate::lattice::populations::Real;
+use crate::lattice::units::Units;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::static_boundaries::StaticBoundaries;
@@ -17,6 +21,8 @@ pub struct OpenBoundaries<T: Real> {
     faces: Vec<Box<dyn FaceScheme<T>>>,
     /// Faces with a reservoir.
     pub reservoirs: Vec<ReservoirFace>,
+    /// Parts with a reservoir.
+    pub surfaces: Vec<ReservoirSurface>,
 }
 
 impl<T: Real> OpenBoundaries<T> {
@@ -25,6 +31,7 @@ impl<T: Real> OpenBoundaries<T> {
         Self {
             faces: std::mem::take(&mut built.faces),
             reservoirs: std::mem::take(&mut built.reservoirs),
+            surfaces: std::mem::take(&mut built.surfaces),
         }
     }
 
@@ -42,6 +49,10 @@ impl<T: Real> OpenBoundaries<T> {
         let mut all = self.schemes().enumerate();
         all.try_for_each(|(k, scheme)| {
             state.within(&format!("{k}"), |state| scheme.exchange(state))
+        })?;
+        drop(all);
+        self.surfaces.iter_mut().enumerate().try_for_each(|(k, surface)| {
+            state.within(&format!("surface_{k}"), |state| surface.exchange(state))
         })
     }
 
@@ -60,7 +71,31 @@ impl<T: Real> OpenBoundaries<T> {
             time: lattice.time(),
             units: &lattice.units,
         };
+        self.surfaces.iter_mut().try_for_each(|surface| surface.begin(begin.time, begin.units))?;
         self.schemes().try_for_each(|scheme| scheme.begin(&begin, &mut exec.team))
+    }
+
+    /// Finds what comes back from reservoirs behind parts, before any link is reflected.
+    pub fn read_surfaces(&mut self, after: &PostCollision<T>, exec: &mut Execution) {
+        self.surfaces.iter_mut().for_each(|surface| surface.read(after, &mut exec.team));
+    }
+
+    /// Lets it come back, after all other links are reflected. `references` are the points about which
+    /// torques count, by fixture.
+    ///
+    /// # Errors
+    /// A flow from a reservoir that is too fast for the lattice.
+    pub fn write_surfaces(
+        &mut self,
+        after: &PostCollision<T>,
+        references: &[[f64; 3]],
+        units: &Units,
+        exec: &mut Execution,
+    ) -> Result<(), FluidError> {
+        self.surfaces.iter_mut().try_for_each(|surface| {
+            let reference = references[usize::from(surface.fixture.0)];
+            surface.write(after, reference, units, &mut exec.team)
+        })
     }
 
     /// Gives the cells at open faces their populations.
@@ -98,6 +133,7 @@ impl<T: Real> OpenBoundaries<T> {
     /// Gives the reservoirs the mean density and velocity of the cells at their faces.
     pub fn fill_reservoirs(&mut self, lattice: &LatticeState<T>) {
         let before = lattice.before();
+        self.surfaces.iter_mut().for_each(|surface| surface.fill(&before, &lattice.flags));
         for reservoir in &mut self.reservoirs {
             let (axis, inward) = (reservoir.axis(), reservoir.inward());
             let (mut count, mut drho, mut velocity) = (0.0, 0.0, 0.0);
@@ -111,19 +147,22 @@ impl<T: Real> OpenBoundaries<T> {
         }
     }
 
-    /// Gives a mass from a place in the domain back to the reservoir whose face is nearest [cells].
-    pub fn take_back(&mut self, from: [f64; 3], mass: f64, grid: &Grid) {
-        let distance = |reservoir: &ReservoirFace| reservoir.distance(from, grid);
-        let nearest = self.reservoirs.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        if let Some(reservoir) = nearest {
-            reservoir.take_back(mass);
-        }
+    /// The reservoir's face that a sphere lies across.
+    pub fn crossed_by(
+        &mut self,
+        x: [f64; 3],
+        radius: f64,
+        grid: &Grid,
+    ) -> Option<&mut ReservoirFace> {
+        self.reservoirs.iter_mut().find(|face| face.distance(x, grid) < radius)
     }
 
     /// See [`crate::LbmFluid::reservoirs`].
     pub fn states(&self, lattice: &LatticeState<T>) -> impl Iterator<Item = ReservoirState> {
         let (acceleration, units) = (lattice.relaxation.acceleration, &lattice.units);
-        self.reservoirs.iter().map(move |reservoir| reservoir.state(acceleration, units))
+        let of_faces =
+            self.reservoirs.iter().map(move |reservoir| reservoir.state(acceleration, units));
+        of_faces.chain(self.surfaces.iter().map(move |surface| surface.state(units)))
     }
 
     /// Cells at pressure faces through which fluid enters.
@@ -135,6 +174,7 @@ impl<T: Real> OpenBoundaries<T> {
     pub fn bytes(&self) -> usize {
         let reservoirs = self.reservoirs.iter().map(|face| face as &dyn FaceScheme<T>);
         let faces = self.faces.iter().map(|face| &**face as &dyn FaceScheme<T>);
-        faces.chain(reservoirs).map(FaceScheme::bytes).sum()
+        let of_surfaces: usize = self.surfaces.iter().map(ReservoirSurface::bytes).sum();
+        faces.chain(reservoirs).map(FaceScheme::bytes).sum::<usize>() + of_surfaces
     }
 }

@@ -1,6 +1,6 @@
 //! Messages on bodies by the lattice's axes, and results of the fluid by the world's.
 
-use crate::boundary::virtual_piston::face::ReservoirState;
+use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
 use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::lattice::d3q19::{Q, each};
 use crate::lattice::error::FluidError;
@@ -107,12 +107,22 @@ impl LatticeOrientation {
         ports.sort_unstable_by_key(|port| (port.axis, port.side));
     }
 
-    /// Turns back what reservoirs are like; they are in the order of the world's faces then.
+    /// Turns back what reservoirs are like; they are in the order of the world's faces then, and of the
+    /// parts.
     pub fn turn_back_reservoirs(self, states: &mut [ReservoirState]) {
         for state in states.iter_mut() {
-            state.axis = self.axis_to_world(state.axis);
+            state.place = self.place_to_world(state.place);
         }
-        states.sort_unstable_by_key(|state| (state.axis, state.side));
+        states.sort_unstable_by_key(|state| state.place);
+    }
+
+    fn place_to_world(self, place: ReservoirPlace) -> ReservoirPlace {
+        match place {
+            ReservoirPlace::Face { axis, side } => {
+                ReservoirPlace::Face { axis: self.axis_to_world(axis), side }
+            }
+            ReservoirPlace::Part(_) => place,
+        }
     }
 
     /// Values of a cell, by the world's axes.
@@ -145,11 +155,11 @@ impl LatticeOrientation {
                 limit,
                 remedy,
             },
-            ReservoirSpent { axis, side, left, volume, time } => {
-                ReservoirSpent { axis: self.axis_to_world(axis), side, left, volume, time }
+            ReservoirSpent { place, left, volume, time } => {
+                ReservoirSpent { place: self.place_to_world(place), left, volume, time }
             }
-            ReservoirFlow { axis, side, speed, limit, pressure } => {
-                ReservoirFlow { axis: self.axis_to_world(axis), side, speed, limit, pressure }
+            ReservoirFlow { place, speed, limit, pressure } => {
+                ReservoirFlow { place: self.place_to_world(place), speed, limit, pressure }
             }
             // Each by its name, so that a new error with an axis is not forgotten.
             other @ (Bodies { .. }

@@ -5,6 +5,7 @@ use crate::boundary::boundaries::{Boundaries, Built};
 use crate::boundary::post_collision::PostCollision;
 use crate::boundary::sheet_links::{SheetItem, SheetLinks};
 use crate::boundary::static_wall_links::{StaticWallLinks, WallItem};
+use crate::boundary::virtual_piston::part_surface::ReservoirSurface;
 use crate::boundary::wall_mass::{Brought, Patches};
 use crate::domain::boundary_condition::{BoundaryCondition, BoundaryValue};
 use crate::gaps::specular_walls::SpecularWalls;
@@ -106,6 +107,7 @@ impl StaticBoundaries {
         blocks: &[CellBlock],
         tally: &ReflectionImpulse,
         slip: Option<&SpecularWalls>,
+        surfaces: &[ReservoirSurface],
     ) -> [f64; 3] {
         let mut mirrors = [[0.0; 3]; 6];
         self.impulses.fill([0.0; 3]);
@@ -121,6 +123,10 @@ impl StaticBoundaries {
         let sheets = self.sheet_items.iter().flat_map(|item| &item.exchanges);
         for (BoundaryId(number), exchange) in curved.chain(sheets).chain(halfway) {
             self.exchanges[usize::from(*number)].join(exchange);
+        }
+        for (BoundaryId(number), exchange) in surfaces.iter().flat_map(ReservoirSurface::exchanges)
+        {
+            self.exchanges[usize::from(number)].join(exchange);
         }
         if let Some(slip) = slip {
             for (number, fixture) in self.exchanges.iter_mut().enumerate() {

@@ -10,5 +10,6 @@ mod mirrors;
 mod near_walls;
 mod open_faces;
 mod oscillating;
+mod part_reservoirs;
 mod reservoirs;
 mod virtual_piston;

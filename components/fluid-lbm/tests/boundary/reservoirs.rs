@@ -343,7 +343,7 @@ fn a_run_ends_before_the_piston_breaks_through() {
     assert!(error.to_string().contains("x_lower is spent at"), "{error}");
     let mut fluid = Tube::new(20, 0.8, OUTLET).fluid(1000.0, |r| r.piston = 0.3);
     let error = (0..1000).find_map(|_| step(&mut fluid).err()).unwrap();
-    assert!(error.to_string().contains("passes the reservoir's face x_lower"), "{error}");
+    assert!(error.to_string().contains("passes the reservoir at x_lower"), "{error}");
 }
 
 /// The same bits on any number of threads, at a face of several items of work, with a body at it.

@@ -2,7 +2,7 @@
 //! and tells everything by the world's axes.
 
 use crate::common::*;
-use tremie_fluid_lbm::{FluidError, LbmFluid, Ledger, ReservoirState, SliceNode};
+use tremie_fluid_lbm::{FluidError, LbmFluid, Ledger, ReservoirPlace, ReservoirState, SliceNode};
 use tremie_geometry::Turned;
 use tremie_messages::scene::{
     Course, DeformableSurface, Diameters, Face, FacetKind, FluidMaterial, Gap, GapRegion, GapRule,
@@ -235,7 +235,11 @@ fn tell(lay: Lay, fluid: &mut LbmFluid, loads: Vec<Load>, told: &mut Told) {
     told.ports = fluid.ports().to_vec();
     told.ports.iter_mut().for_each(|port| port.axis = (port.axis + 3 - lay.0 as u32) % 3);
     fluid.reservoirs(&mut told.reservoirs);
-    told.reservoirs.iter_mut().for_each(|state| state.axis = (state.axis + 3 - lay.0) % 3);
+    for state in &mut told.reservoirs {
+        if let ReservoirPlace::Face { axis, .. } = &mut state.place {
+            *axis = (*axis + 3 - lay.0) % 3;
+        }
+    }
     let ledger = fluid.ledger();
     told.ledger = Ledger {
         momentum: lay.back(ledger.momentum),

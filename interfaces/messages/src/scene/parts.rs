@@ -1,6 +1,6 @@
 //! Rigid parts with triangulated surfaces.
 
-use super::{Course, Motion};
+use super::{Course, Motion, Reservoir};
 use serde::{Deserialize, Serialize};
 
 /// A rigid part: a closed surface, put somewhere.
@@ -109,4 +109,7 @@ pub enum PartBoundary {
         /// Factor on the pressure over time.
         course: Course,
     },
+    /// The fluid comes from, and goes to, a reservoir with a piston that is not simulated, through the
+    /// side of the part that the fluid touches.
+    Reservoir(Reservoir),
 }

@@ -3,7 +3,7 @@
 use super::course::Course;
 use serde::{Deserialize, Serialize};
 
-/// A cylinder beyond a face of the domain, closed by a piston.
+/// A cylinder beyond a face of the domain, or behind the surface of a part, closed by a piston.
 ///
 /// Of its fluid only the mass is followed: density and pressure are the same everywhere in it. So
 /// times must be long beside the time that sound takes from piston to face, and there is no
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reservoir {
-    /// Area of the piston, which is that of the fluid at the face [m²].
+    /// Area of the piston, which is that of the fluid at the face or surface [m²].
     pub area: f64,
     /// Volume between piston and face at time zero [m³].
     pub volume: f64,

@@ -1,6 +1,8 @@
 //! Checks of `[scene.domain]`: the box and its faces.
 
-use super::super::document::{AxisEntry, DomainTable, FaceEntry, FaceName, FaceTable};
+use super::super::document::{
+    AxisEntry, DomainTable, FaceEntry, FaceName, FaceTable, ReservoirTable,
+};
 use super::super::path;
 use super::super::read::Findings;
 use super::course::course;
@@ -111,7 +113,14 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
     match kind {
         "wall" => moving_wall(table, axis, at, findings),
         "velocity" => open_velocity(table, axis, at, findings),
-        "reservoir" => reservoir(table, at, findings),
+        "reservoir" => {
+            let has_none = [
+                ("profile", table.profile.is_some()),
+                ("ramp", table.ramp.is_some()),
+                ("course", table.course.is_some()),
+            ];
+            reservoir(table.reservoir.as_ref(), &has_none, at, findings).map(Face::Reservoir)
+        }
         _ => {
             if table.profile.is_some() {
                 let message = "a pressure is the same all over the face, and has no profile";
@@ -169,19 +178,18 @@ fn moving_wall(table: &FaceTable, axis: usize, at: &str, findings: &mut Findings
     Some(Face::Wall { velocity, course: course? })
 }
 
-fn reservoir(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Face> {
-    for (key, is_there) in [
-        ("profile", table.profile.is_some()),
-        ("ramp", table.ramp.is_some()),
-        ("course", table.course.is_some()),
-    ] {
-        if is_there {
-            let message = "a reservoir has none; its piston may have a ramp or a course";
-            findings.problem(&path::join(at, key), message);
-        }
+/// The reservoir of a face or part at a path, which has none of the keys that are listed.
+pub(super) fn reservoir(
+    table: Option<&ReservoirTable>,
+    has_none: &[(&str, bool)],
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Reservoir> {
+    for (key, _) in has_none.iter().filter(|(_, is_there)| *is_there) {
+        let message = "a reservoir has none; its piston may have a ramp or a course";
+        findings.problem(&path::join(at, key), message);
     }
-    let at = path::join(at, "reservoir");
-    let table = table.reservoir.as_ref()?;
+    let (at, table) = (path::join(at, "reservoir"), table?);
     let area = findings.positive(&table.area, &at, "area");
     let volume = findings.positive(&table.volume, &at, "volume");
     let course = course(table.ramp, table.course.as_ref(), &at, findings);
@@ -197,7 +205,7 @@ fn reservoir(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Fac
     let piston = table.piston.map_or(0.0, |velocity| velocity.0);
     let stop = table.stop.map(|time| time.0);
     let reservoir = Reservoir::new(area, volume, piston);
-    right.then_some(Face::Reservoir(Reservoir { course, stop, relaxation, ..reservoir }))
+    right.then_some(Reservoir { course, stop, relaxation, ..reservoir })
 }
 
 fn open_velocity(

@@ -7,6 +7,7 @@ use super::super::document::{
 use super::super::path;
 use super::super::read::Findings;
 use super::course::{course, motion};
+use super::domain::reservoir;
 use super::slider;
 use std::collections::BTreeSet;
 use tremie_messages::scene::{Domain, Geometry, Motion, MotionPoint, Part, PartBoundary, Pose};
@@ -230,8 +231,17 @@ fn start(position: [f64; 3], motion: &Motion) -> [f64; 3] {
 }
 
 fn part_boundary(table: &BoundaryTable, at: &str, findings: &mut Findings) -> Option<PartBoundary> {
-    let kinds = [("velocity", table.velocity.is_some()), ("pressure", table.pressure.is_some())];
+    let kinds = [
+        ("velocity", table.velocity.is_some()),
+        ("pressure", table.pressure.is_some()),
+        ("reservoir", table.reservoir.is_some()),
+    ];
     let kind = findings.only_one(&kinds, "what the part is to the fluid", at);
+    if kind == Some("reservoir") {
+        let has_none = [("ramp", table.ramp.is_some()), ("course", table.course.is_some())];
+        let reservoir = reservoir(table.reservoir.as_ref(), &has_none, at, findings);
+        return reservoir.map(PartBoundary::Reservoir);
+    }
     let course = course(table.ramp, table.course.as_ref(), at, findings);
     match kind? {
         "velocity" => {

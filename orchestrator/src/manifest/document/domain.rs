@@ -108,14 +108,14 @@ pub(in super::super) struct FaceTable {
     pub course: Option<CourseEntry>,
 }
 
-/// A cylinder beyond the face, of uniform density, closed by a piston. The physics depends on the
+/// A cylinder beyond the face or surface, of uniform density, closed by a piston. The physics depends on the
 /// ratio of volume and area alone: where symmetry planes cut it, both may be those of the whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ReservoirTable {
-    /// Area of the piston, which is that of the fluid at the face. Required.
+    /// Area of the piston, which is that of the fluid at the face or surface. Required.
     pub area: Option<Area>,
-    /// Volume between piston and face at the start. Required.
+    /// Volume between piston and face or surface at the start. Required.
     pub volume: Option<Volume>,
     /// Velocity of the piston towards the domain (default: it stands still).
     pub piston: Option<Velocity>,
@@ -126,7 +126,7 @@ pub(in super::super) struct ReservoirTable {
     pub course: Option<CourseEntry>,
     /// Time from which on the piston stands still (default: never).
     pub stop: Option<Time>,
-    /// Part of its difference from the face's mean that the normal velocity of a cell at the face
+    /// Part of its difference from the mean that the normal velocity of a cell at the face or surface
     /// loses in a step, from 0 to 1 (default: 0.02); 0 switches it off.
     pub relaxation: Option<f64>,
 }

@@ -2,6 +2,7 @@
 
 use super::AxisName;
 use super::course::{CourseEntry, MotionCourseEntry};
+use super::domain::ReservoirTable;
 use super::slider::PartMotionEntry;
 use super::values::FileUnit;
 use schemars::JsonSchema;
@@ -119,6 +120,9 @@ pub(in super::super) struct BoundaryTable {
     pub velocity: Option<[Velocity; 3]>,
     /// The fluid comes and goes through the surface at this gauge pressure.
     pub pressure: Option<Pressure>,
+    /// The fluid comes from a reservoir with a piston that is not simulated, through the one side of the
+    /// part that the fluid touches, whichever way it faces.
+    pub reservoir: Option<ReservoirTable>,
     /// Time in which velocity or pressure rise from zero (default: none).
     pub ramp: Option<Time>,
     /// Factor of velocity or pressure over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a

@@ -3,7 +3,7 @@
 use super::*;
 use tremie_geometry::Mesh;
 use tremie_messages::scene::{
-    Course, Geometry, MotionPoint, PartBoundary, Sine, SliderSpring, Stops, TimedMotion,
+    Course, Geometry, MotionPoint, PartBoundary, Reservoir, Sine, SliderSpring, Stops, TimedMotion,
 };
 use tremie_messages::units::Length;
 
@@ -47,6 +47,21 @@ fn a_part_can_turn_move_and_drive_the_fluid() {
     let course = Course::Points(vec![[0.0, 0.0], [1e-3, 1.0]]);
     assert_eq!(part.boundary, PartBoundary::Pressure { pressure: 5e5, course });
     reads_back(&text);
+}
+
+#[test]
+fn a_part_can_have_a_reservoir() {
+    let with =
+        |keys: &str, more: &str| format!("{BOX}\nboundary = {{ reservoir = {{ {keys} }}{more} }}");
+    let keys = "area = \"2 cm2\", volume = \"1 L\", piston = \"0.5 m/s\", stop = \"2 s\"";
+    let text = with_part(&with(keys, ""));
+    let part = &read(&text).unwrap().spec.scene.parts[0];
+    let reservoir = Reservoir { stop: Some(2.0), ..Reservoir::new(2e-4, 1e-3, 0.5) };
+    assert_eq!(part.boundary, PartBoundary::Reservoir(reservoir));
+    reads_back(&text);
+    refused(&with("volume = \"1 L\"", ""), &["boundary.reservoir", "area"]);
+    refused(&with(keys, ", ramp = \"1 s\""), &["boundary.ramp", "its piston may have a ramp"]);
+    refused(&with(keys, ", pressure = \"1 Pa\""), &["pressure", "reservoir"]);
 }
 
 #[test]

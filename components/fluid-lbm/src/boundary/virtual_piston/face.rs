@@ -18,27 +18,24 @@
 //! low.
 //!
 //! The full equilibrium has no viscous stress; the flow is straight at the face, `u_t = 0`. Cells
-//! that bodies cover are left out. A body that appears in the middle of a run gives back what it
-//! displaces (`displaced_fluid`); one that moves there does not.
+//! that bodies cover are left out. Bodies that move across the face count as fluid of the cylinder
+//! (`crossing_bodies`).
 
 use crate::boundary::face_scheme::{
     FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
 };
 use crate::boundary::virtual_piston::cylinder::Cylinder;
+use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
 use crate::boundary::zou_he::Inward;
-use crate::lattice::d3q19::{CS2, Q, equilibria};
+use crate::lattice::d3q19::{Q, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
-use tremie_messages::scene::{Face, Reservoir, Scene};
-use tremie_messages::start::SignalRow;
+use tremie_messages::scene::Reservoir;
 use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
-
-/// Largest velocity at a face [cells a step]; the lattice fails soon beyond it.
-pub const FASTEST: f64 = 0.1;
 
 /// Cells that are one item of work, and what the last step found there.
 #[derive(Clone, Debug)]
@@ -59,62 +56,11 @@ pub struct ReservoirFace {
     axis: usize,
     side: usize,
     relaxation: f64,
-    /// Volume at time zero [m³].
-    volume: f64,
     cells: Vec<FaceCell>,
     items: Vec<PistonItem>,
     cylinder: Cylinder,
     /// Mean of the normal velocities that the face has, without half the step's force.
     mean: f64,
-}
-
-/// State of a reservoir at the end of a step, SI units.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ReservoirState {
-    /// Axis of the face, 0, 1, 2 for x, y, z.
-    pub axis: usize,
-    /// 0 for the lower, 1 for the upper face.
-    pub side: usize,
-    /// Density of the reservoir [kg/m³].
-    pub density: f64,
-    /// Its gauge pressure [Pa].
-    pub pressure: f64,
-    /// Volume between piston and face [m³], as the scene counts it.
-    pub volume: f64,
-    /// Velocity of the piston towards the domain [m/s].
-    pub piston: f64,
-    /// Mean velocity through the face into the domain [m/s].
-    pub velocity: f64,
-    /// Mass that has entered the domain [kg], as the balance of the fluid counts it.
-    pub entered: f64,
-    /// Mass in the reservoir [kg], counted alike.
-    pub mass: f64,
-}
-
-/// The reservoirs of a scene: axis, side, and what it is.
-pub fn reservoirs_of(scene: &Scene) -> impl Iterator<Item = (usize, usize, &Reservoir)> {
-    let faces = scene.domain.faces.iter().flatten().enumerate();
-    faces.filter_map(|(k, face)| match face {
-        Face::Reservoir(reservoir) => Some((k / 2, k % 2, reservoir)),
-        _ => None,
-    })
-}
-
-/// Signals of each reservoir, named `reservoir_z_lower.density`.
-pub const OF_RESERVOIRS: [SignalRow<ReservoirState>; 6] = [
-    ("density", "kg/m3", "density of the fluid in the reservoir", |r| r.density),
-    ("pressure", "Pa", "gauge pressure there, a mean over the fluid", |r| r.pressure),
-    ("volume", "m3", "volume between piston and face", |r| r.volume),
-    ("piston_velocity", "m/s", "velocity of the piston towards the domain", |r| r.piston),
-    ("velocity", "m/s", "mean velocity through the face into the domain", |r| r.velocity),
-    ("mass_entered", "kg", "mass that has entered the domain since the start", |r| r.entered),
-];
-
-impl ReservoirState {
-    /// The values of the reservoir's signals, in their order.
-    pub fn values(&self) -> [f64; 6] {
-        OF_RESERVOIRS.map(|(_, _, _, value)| value(self))
-    }
 }
 
 impl ReservoirFace {
@@ -131,9 +77,8 @@ impl ReservoirFace {
             axis: face / 2,
             side: face % 2,
             relaxation: reservoir.relaxation,
-            volume: reservoir.volume,
             items: items_of(cells.len()).map(item).collect(),
-            cylinder: Cylinder::new(reservoir, cells.len(), units),
+            cylinder: Cylinder::new(reservoir, cells.len() as f64, units),
             cells,
             mean: 0.0,
         }
@@ -172,20 +117,15 @@ impl ReservoirFace {
         self.axis
     }
 
+    /// The face.
+    fn place(&self) -> ReservoirPlace {
+        ReservoirPlace::Face { axis: self.axis, side: self.side }
+    }
+
     /// State of the reservoir, SI units.
     pub fn state(&self, acceleration: [f64; 3], units: &Units) -> ReservoirState {
         let half = 0.5 * acceleration[self.axis] * self.inward();
-        ReservoirState {
-            axis: self.axis,
-            side: self.side,
-            density: (1.0 + self.cylinder.drho()) * units.density,
-            pressure: CS2 * self.cylinder.drho() * units.pressure(),
-            volume: self.volume * self.cylinder.part_left(),
-            piston: self.cylinder.piston * units.velocity(),
-            velocity: (self.mean + half) * units.velocity(),
-            entered: self.cylinder.entered * units.mass(),
-            mass: self.cylinder.mass() * units.mass(),
-        }
+        self.cylinder.state(self.place(), self.mean + half, units)
     }
 }
 
@@ -193,16 +133,8 @@ impl<T: Real> FaceScheme<T> for ReservoirFace {
     /// Moves the piston through the step; fails where it comes too close to the face, and nothing
     /// has changed then.
     fn begin(&mut self, begin: &StepBegin<T>, _team: &mut Team) -> Result<(), FluidError> {
-        if self.cylinder.advance(begin.time, self.mean, begin.units) {
-            return Ok(());
-        }
-        Err(FluidError::ReservoirSpent {
-            axis: self.axis,
-            side: self.side,
-            left: 100.0 * self.cylinder.part_left(),
-            volume: self.volume,
-            time: begin.time,
-        })
+        let place = self.place();
+        self.cylinder.advance(begin.time, self.mean, begin.units).map_err(|spent| spent.at(place))
     }
 
     /// Gives the cells at the face their populations, and lets the cylinder lose what they gained;
@@ -226,16 +158,7 @@ impl<T: Real> FaceScheme<T> for ReservoirFace {
         self.mean = mean;
         let at_walls = next.brought[2 * axis + side].total();
         self.cylinder.drain(self.items.iter().map(|item| item.gain.mass).sum::<f64>() + at_walls);
-        if fastest <= FASTEST && mean.is_finite() {
-            return Ok(());
-        }
-        Err(FluidError::ReservoirFlow {
-            axis,
-            side,
-            speed: fastest * next.units.velocity(),
-            limit: FASTEST * next.units.velocity(),
-            pressure: CS2 * drho * next.units.pressure(),
-        })
+        self.cylinder.passes([mean, fastest], self.place(), next.units)
     }
 
     fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64)) {

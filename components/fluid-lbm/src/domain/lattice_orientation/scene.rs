@@ -84,7 +84,9 @@ impl LatticeOrientation {
                 velocity: self.to_lattice(velocity),
                 course: course.clone(),
             },
-            other @ (PartBoundary::Wall | PartBoundary::Pressure { .. }) => other.clone(),
+            other @ (PartBoundary::Wall
+            | PartBoundary::Pressure { .. }
+            | PartBoundary::Reservoir(_)) => other.clone(),
         };
         Part {
             pose: self.pose(&part.pose),

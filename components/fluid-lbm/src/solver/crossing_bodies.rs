@@ -1,0 +1,52 @@
+//! Bodies that lie across a reservoir's face, and what they mean to the reservoir.
+//!
+//! What a piston displaces is slurry: fluid and bodies that enter the domain have its volume together.
+//! The cylinder counts all of it as fluid.
+//!
+//! A body that appears in the domain needs no account. It comes from the reservoir, and the fluid whose
+//! place it takes goes there: as much leaves the cylinder as comes back, and the flow through the face
+//! stays the piston's. (To give that fluid back to the cylinder would let it enter again, on top of the
+//! piston's flow.) A body that vanishes is the same the other way round.
+//!
+//! One that moves in through the face pushes the fluid before it out of the domain, through the face into
+//! the cylinder, so the body itself has to leave there; and the other way round for one that moves out:
+//!
+//! ```text
+//! M -= mass of the cells that it covers - mass of those that it uncovers
+//! ```
+//!
+//! (Parts let no body pass.)
+
+use crate::bodies::body_list::Bodies;
+use crate::lattice::populations::Real;
+use crate::solver::gap_model::GapModel;
+use crate::solver::lattice_state::LatticeState;
+use crate::solver::open_boundaries::OpenBoundaries;
+
+/// Lets reservoirs lose what bodies across their faces have covered or cut off in this step, and gain
+/// what these have uncovered. Returns true if there were such bodies.
+pub fn count_crossing<T: Real>(
+    faces: &mut OpenBoundaries<T>,
+    bodies: &Bodies,
+    gaps: &GapModel,
+    lattice: &LatticeState<T>,
+) -> bool {
+    if faces.reservoirs.is_empty() {
+        return false;
+    }
+    let (flags, before) = (&lattice.flags, lattice.before());
+    let covered = flags.covered.iter().chain(&flags.enclosed);
+    let covered = covered.map(|&cell| (cell, gaps.holder_of(lattice, bodies, cell), -1.0));
+    let uncovered = flags.vacated.iter().map(|vacated| (vacated.cell, Some(vacated.handle), 1.0));
+    let mut any = false;
+    for (cell, holder, sign) in covered.chain(uncovered) {
+        let Some(body) = holder.and_then(|handle| bodies.find_living(handle)) else { continue };
+        let is_new = bodies.newcomers.contains(&body.handle);
+        let across = faces.crossed_by(body.position, body.radius, &lattice.layout.grid);
+        if let Some(face) = across.filter(|_| !is_new) {
+            face.take_back(sign * (1.0 + before.content(cell).drho));
+            any = true;
+        }
+    }
+    any
+}
