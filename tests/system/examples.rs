@@ -218,8 +218,10 @@ fn pressure_valve() {
     assert!((velocity / 6.0 - 1.0).abs() < 0.01, "{velocity} m/s");
     assert!(over.abs() < 0.02, "forces on the open valve differ by {over}");
 
-    // The piston stops at 16 ms, and it shuts: its gap freezes between 0.35 and 0.62 mm.
-    assert!(between(21e-3, 26e-3).all(|k| (0.35e-3..0.65e-3).contains(&lift[k])), "{lift:?}");
+    // The piston stops at 16 ms, and it shuts: the ring meets its seat at 0.37 mm and is pressed on it.
+    assert!(between(21.5e-3, 26e-3).all(|k| (0.1e-3..0.37e-3).contains(&lift[k])), "{lift:?}");
+    let seat = mean(24e-3, 26e-3, &|k| signals["grains.valve.surface_force"][k]);
+    assert!(seat > 5.0, "the ring is on its seat with {seat} N");
     let over = unbalanced(24e-3, 26e-3);
     assert!(over.abs() < 0.02, "forces on the shut valve differ by {over}");
     // What leaves is what the valve, afloat on its gap, displaces as it moves.

@@ -41,6 +41,8 @@ pub struct Chart {
     pub y: String,
     /// Logarithmic horizontal axis.
     pub log_x: bool,
+    /// Logarithmic vertical axis.
+    pub log_y: bool,
     /// Curves and marks of the chart.
     pub curves: Vec<Curve>,
 }
@@ -57,13 +59,18 @@ impl Chart {
         let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
         let x = range(points().map(|p| p.0), 0.02);
         let y = range(points().map(|p| p.1), 0.05);
-        if self.log_x {
-            let positive = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
-            // A logarithmic axis begins a tenth below the least point, not at a margin that may be
-            // below 0.
-            self.draw_within(area, (0.9 * positive..1.1 * x.end).log_scale(), y)
-        } else {
-            self.draw_within(area, x, y)
+        // A logarithmic axis begins a tenth below the least point, not at a margin that may be below 0.
+        let log = |values: &mut dyn Iterator<Item = f64>, end: f64| {
+            let least = values.filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
+            (0.9 * least..1.1 * end).log_scale()
+        };
+        let (log_x, log_y) =
+            (log(&mut points().map(|p| p.0), x.end), log(&mut points().map(|p| p.1), y.end));
+        match [self.log_x, self.log_y] {
+            [false, false] => self.draw_within(area, x, y),
+            [true, false] => self.draw_within(area, log_x, y),
+            [false, true] => self.draw_within(area, x, log_y),
+            [true, true] => self.draw_within(area, log_x, log_y),
         }
     }
 
@@ -71,15 +78,16 @@ impl Chart {
     fn emptiest_corner(&self) -> SeriesLabelPosition {
         let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
         let along = |x: f64| if self.log_x { x.ln() } else { x };
+        let up = |y: f64| if self.log_y { y.ln() } else { y };
         let (xs, ys) =
-            (range(points().map(|p| along(p.0)), 0.0), range(points().map(|p| p.1), 0.0));
+            (range(points().map(|p| along(p.0)), 0.0), range(points().map(|p| up(p.1)), 0.0));
         let part =
             |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
         let covered = |right: bool, upper: bool| {
             // A legend covers about a third of the width and of the height.
             let beyond = |part: f64, far: bool| if far { part > 0.65 } else { part < 0.35 };
             let is_in = |p: &(f64, f64)| {
-                beyond(part(&xs, along(p.0)), right) && beyond(part(&ys, p.1), upper)
+                beyond(part(&xs, along(p.0)), right) && beyond(part(&ys, up(p.1)), upper)
             };
             points().filter(is_in).count()
         };
@@ -94,10 +102,12 @@ impl Chart {
         .map_or(SeriesLabelPosition::UpperRight, |(corner, _)| corner)
     }
 
-    fn draw_within<X>(&self, area: &Area<'_>, x: X, y: Range<f64>) -> Result<(), String>
+    fn draw_within<X, Y>(&self, area: &Area<'_>, x: X, y: Y) -> Result<(), String>
     where
         X: AsRangedCoord<Value = f64>,
         X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+        Y: AsRangedCoord<Value = f64>,
+        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
         let wrong = |error: DrawingAreaErrorKind<std::io::Error>| error.to_string();
         area.fill(&WHITE).map_err(wrong)?;

@@ -9,6 +9,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};
+use tremie_messages::units::Time;
 use tremie_results::key_value;
 
 /// Co-simulation of slurries: fluid and grains as programs that share memory.
@@ -305,6 +306,15 @@ pub struct ReportArgs {
     /// Only these signals, or all signals of a group, as fluid.beneath [default: all]
     #[arg(long = "signal", value_name = "NAME")]
     pub signals: Vec<String>,
+    /// Draw spectra: at which frequencies the signals swing, and how much
+    #[arg(long)]
+    pub spectrum: bool,
+    /// Time from which on spectra are taken, as "5 ms" [default: the first row]
+    #[arg(long, value_name = "TIME", requires = "spectrum")]
+    pub from: Option<Time>,
+    /// Time up to which spectra are taken [default: the last row]
+    #[arg(long, value_name = "TIME", requires = "spectrum")]
+    pub until: Option<Time>,
     /// File of the picture [default: report.svg in the first folder]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,

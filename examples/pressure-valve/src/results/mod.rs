@@ -244,6 +244,7 @@ fn picture(
                 x: x.into(),
                 y: y.into(),
                 log_x: false,
+                log_y: false,
                 curves: vec![Curve { name: watched.part.clone(), points, marks: false }],
             }
         };

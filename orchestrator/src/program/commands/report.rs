@@ -17,9 +17,10 @@ pub fn report(arguments: &ReportArgs) -> ExitCode {
         Err(error) => {
             complain(format_args!("error: {error}"));
             match error {
-                ReportError::Unknown { .. } | ReportError::Signals(_) | ReportError::Profile(_) => {
-                    WRONG_INPUT.into()
-                }
+                ReportError::Unknown { .. }
+                | ReportError::Signals(_)
+                | ReportError::Profile(_)
+                | ReportError::NoSpectrum { .. } => WRONG_INPUT.into(),
                 _ => ExitCode::FAILURE,
             }
         }
@@ -27,7 +28,12 @@ pub fn report(arguments: &ReportArgs) -> ExitCode {
 }
 
 fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
-    let report = report::report(&arguments.outs, &arguments.signals)?;
+    let mut report = report::report(&arguments.outs, &arguments.signals)?;
+    if arguments.spectrum {
+        let from = arguments.from.map_or(f64::NEG_INFINITY, |time| time.0);
+        let until = arguments.until.map_or(f64::INFINITY, |time| time.0);
+        report = report::spectra(report, [from, until])?;
+    }
     for cut in &report.cuts {
         complain(format_args!("warning: {cut}"));
     }
@@ -43,6 +49,9 @@ fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
     };
     let path = path.display();
     answer(format_args!("{path}: {curves} curves in {panels} panels{of_profiles}"));
+    for line in report.notes.iter() {
+        answer(format_args!("  {line}"));
+    }
     for (name, value, unit) in report.constant.iter().take(LISTED) {
         let unit = if unit == "1" { "" } else { unit };
         answer(format_args!("  {name} is {} throughout", format!("{value} {unit}").trim_end()));

@@ -3,14 +3,16 @@
 //! Signals of one kind share a panel ([`panels`]): the pressures of all probes, the three
 //! components of a momentum. Several runs are drawn into the same panels. Signals that never change
 //! are listed beneath instead. Profiles of grains have panels of their own ([`profiles`]), which
-//! come first.
+//! come first. With `--spectrum` the panels have spectra instead ([`spectrum`]).
 
 pub mod panels;
 pub mod profiles;
 pub mod scale;
 pub mod sheet;
+pub mod spectrum;
 
 use panels::Panel;
+use spectrum::NoSpectrum;
 use std::path::{Path, PathBuf};
 use tremie_results::{
     Cut, NoSignals, ProfileTables, SheetPanel, Signals, UnreadableProfile, profiles_of, run_name,
@@ -33,6 +35,16 @@ pub enum ReportError {
         out: PathBuf,
         /// A sentence, with the nearest signal there is.
         message: String,
+    },
+    /// A signal has no spectrum.
+    #[error(
+        "no spectrum of {name}: {why}; choose a time by --from and --until, or other signals by --signal"
+    )]
+    NoSpectrum {
+        /// The panel's curve.
+        name: String,
+        /// The reason.
+        why: NoSpectrum,
     },
     /// Nothing in these runs changes.
     #[error("no signal of {0} changes over time: there is nothing to draw")]
@@ -59,7 +71,7 @@ pub struct Run {
 }
 
 /// Content of a report.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Tables that were cut off.
     pub cuts: Vec<Cut>,
@@ -67,6 +79,10 @@ pub struct Report {
     pub profiles: Vec<SheetPanel>,
     /// Panels, in order.
     pub panels: Vec<Panel>,
+    /// True if these have spectra.
+    pub has_spectra: bool,
+    /// A line on each curve of spectra.
+    pub notes: Vec<String>,
     /// Signals that never change, and their values in the first run that has them.
     pub constant: Vec<(String, f64, String)>,
 }
@@ -97,6 +113,16 @@ pub fn report(outs: &[PathBuf], wanted: &[String]) -> Result<Report, ReportError
         return Err(ReportError::Nothing(names.join(", ")));
     }
     Ok(report)
+}
+
+/// The spectra of a report's signals, from one time to another, without its profiles.
+///
+/// # Errors
+/// A signal that has no spectrum.
+pub fn spectra(report: Report, interval: [f64; 2]) -> Result<Report, ReportError> {
+    let spectra = spectrum::spectra(&report.panels, interval);
+    let (panels, notes) = spectra.map_err(|(name, why)| ReportError::NoSpectrum { name, why })?;
+    Ok(Report { panels, notes, has_spectra: true, profiles: Vec::new(), ..report })
 }
 
 /// Panels of the profiles of all runs; those of one name and as many axes share panels.

@@ -90,7 +90,7 @@ pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
         };
         curves.chunks(CURVES).map(panel).collect::<Vec<_>>()
     });
-    Report { cuts: Vec::new(), profiles: Vec::new(), panels: panels.collect(), constant }
+    Report { panels: panels.collect(), constant, ..Report::default() }
 }
 
 /// All signals that any run has.

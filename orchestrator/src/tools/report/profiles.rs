@@ -75,6 +75,7 @@ fn chart(of_runs: &[RunProfile<'_>], (column, words, unit): &Column) -> Chart {
         x: format!("{} [{}]", axis().next().map_or("", |(axis, _)| axis), places.unit),
         y: format!("{words} [{}]", scale.unit),
         log_x: false,
+        log_y: false,
         curves: curves.collect(),
     }
 }

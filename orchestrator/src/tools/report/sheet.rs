@@ -11,6 +11,7 @@ const POINTS: usize = 600;
 
 /// Draws a report.
 pub(super) fn draw(report: &Report, title: &str, path: &Path) -> Result<(), String> {
+    let chart = if report.has_spectra { spectrum_chart } else { chart };
     let of_signals = report.panels.iter().map(|panel| SheetPanel::Chart(chart(panel)));
     let all: Vec<_> = report.profiles.iter().cloned().chain(of_signals).collect();
     draw_panels(&all, title, path)
@@ -33,6 +34,24 @@ fn chart(panel: &Panel) -> Chart {
         x: format!("time [{}]", time.unit),
         y: format!("{} [{}]", panel.title, value.unit),
         log_x: false,
+        log_y: false,
+        curves: panel.curves.iter().map(curve).collect(),
+    }
+}
+
+fn spectrum_chart(panel: &Panel) -> Chart {
+    let curve = |curve: &super::panels::PanelCurve| Curve {
+        name: curve.name.clone(),
+        points: curve.points.iter().map(|&(f, value)| (1e-3 * f, value)).collect(),
+        marks: false,
+    };
+    let unit = &panel.unit;
+    Chart {
+        title: panel.title.clone(),
+        x: "frequency [kHz]".into(),
+        y: format!("{} [{unit}/Hz^½]", panel.title),
+        log_x: true,
+        log_y: true,
         curves: panel.curves.iter().map(curve).collect(),
     }
 }

@@ -39,6 +39,7 @@ pub fn draw_plots(
             x: if unit.is_empty() { key.clone() } else { format!("{key} [{unit}]") },
             y: column.heading(),
             log_x: contents.axes[plot.x.0].is_log,
+            log_y: false,
             curves,
         };
         draw_chart(&chart, &path)

@@ -93,6 +93,7 @@ fn draw(picture: &Picture, curves: Vec<Curve>, path: &Path) -> Result<(), String
         x: picture.x.clone(),
         y: picture.y.clone(),
         log_x: picture.log_x,
+        log_y: false,
         curves,
     };
     draw_chart(&chart, path)
