@@ -123,8 +123,8 @@ impl Chart {
             .x_desc(&self.x)
             .y_desc(&self.y)
             .light_line_style(WHITE)
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
+            .x_label_formatter(&if self.log_x { decade } else { tick })
+            .y_label_formatter(&if self.log_y { decade } else { tick })
             .draw()
             .map_err(wrong)?;
         // Marks count their colours apart: the k-th reference has the colour of the k-th line.
@@ -171,6 +171,11 @@ impl Chart {
 /// The number at a tick: without the digits that rounding left, and 0 without a sign.
 pub(crate) fn tick(value: &f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9 + 0.0)
+}
+
+/// The number at a tick of a logarithmic axis.
+fn decade(value: &f64) -> String {
+    if (0.01..1e5).contains(value) { tick(value) } else { format!("{value:.0e}") }
 }
 
 /// The range of all numbers, with a margin.
