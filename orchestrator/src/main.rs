@@ -39,6 +39,7 @@ fn obey(command: Command) -> ExitCode {
         Command::Steer(command) => commands::steer(command),
         Command::Clean => commands::clean(),
         Command::Schema { markdown } => commands::schema(markdown),
+        Command::Explain { key } => commands::explain(&key),
         Command::Component { name } => commands::component(&name),
     }
 }

@@ -50,6 +50,7 @@ fn no_command_panics_or_claims_success_where_its_answer_is_lost() {
         &["check", manifest, "--json"],
         &["check", manifest, "--measure", "--until", "2 ms"],
         &["signals", manifest],
+        &["explain", "scene.fluid"],
         &["signals", manifest, "--json"],
         &["report", out],
         &["conform", "fluid-lbm"],
@@ -90,6 +91,7 @@ fn errors_that_nobody_hears_end_no_command_otherwise() {
     for (arguments, code) in [
         (vec!["check".as_ref(), wrong.as_os_str()], 2),
         (vec!["nonsense".as_ref()], 2),
+        (vec!["explain".as_ref(), "viscosty".as_ref()], 2),
         (vec!["report".as_ref(), "no/such/run".as_ref()], 2),
         (vec!["component".as_ref(), "fluid-lbm".as_ref()], 2),
         (vec!["run".as_ref(), right.as_os_str(), "--out".as_ref(), out.as_os_str()], 0),

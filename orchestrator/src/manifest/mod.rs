@@ -10,6 +10,7 @@ mod differences;
 mod document;
 mod explain;
 mod hints;
+mod key_help;
 mod overrides;
 mod path;
 mod read;
@@ -23,6 +24,7 @@ mod tests;
 mod tree;
 
 pub use differences::differences;
+pub use key_help::{KeyHelp, key_help};
 pub use path::is_within;
 pub use source::Source;
 pub use spec::{

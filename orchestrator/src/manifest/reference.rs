@@ -16,13 +16,53 @@ Quantities are text with a unit, `\"0.3 mm\"`. `[[name]]` is a list of tables: t
 
 /// The page, in Markdown.
 pub(super) fn page(schema: &Value) -> String {
-    let mut page = Page { schema, tables: VecDeque::new(), known: Vec::new() };
     let mut text = HEAD.to_string();
-    page.section(&mut text, "", schema);
-    while let Some((path, table)) = page.tables.pop_front() {
-        page.section(&mut text, &path, table);
+    for section in sections(schema) {
+        let path = &section.path;
+        let title = if path.is_empty() { "The manifest".into() } else { format!("`{path}`") };
+        // Writing to a text cannot fail.
+        let _ = write!(text, "\n## {title}\n\n{}\n", section.about);
+        if section.keys.is_empty() {
+            continue;
+        }
+        text.push_str("\n| key | value | meaning |\n| --- | --- | --- |\n");
+        for key in &section.keys {
+            let _ = writeln!(text, "| `{}` | {} | {} |", key.name, key.kind, key.meaning);
+        }
     }
     text
+}
+
+/// A table of the manifest.
+pub(super) struct Section {
+    /// Path of the first key that holds such a table: `scene.parts[]`; nothing for the manifest.
+    pub path: String,
+    /// What it is.
+    pub about: String,
+    /// Its keys.
+    pub keys: Vec<Key>,
+}
+
+/// A key of a table.
+pub(super) struct Key {
+    /// Its name.
+    pub name: String,
+    /// What its value is, in Markdown.
+    pub kind: String,
+    /// What it means, in Markdown.
+    pub meaning: String,
+    /// Paths of the sections of the tables that its value holds.
+    pub tables: Vec<String>,
+}
+
+/// All tables, each once, in the order in which they are first named.
+pub(super) fn sections(schema: &Value) -> Vec<Section> {
+    let mut page = Page { schema, tables: VecDeque::new(), known: Vec::new(), named: Vec::new() };
+    let mut all = vec![page.section("", schema)];
+    while let Some((path, table)) = page.tables.pop_front() {
+        all.push(page.section(&path, table));
+    }
+    all
 }
 
 /// Tables are written in the order in which the page first names them.
@@ -31,20 +71,21 @@ struct Page<'a> {
     tables: VecDeque<(String, &'a Value)>,
     /// Definitions that have a section, and the path of that.
     known: Vec<(&'a str, String)>,
+    /// Sections that the key at hand has named.
+    named: Vec<String>,
 }
 
 impl<'a> Page<'a> {
-    fn section(&mut self, text: &mut String, path: &str, table: &'a Value) {
-        let title = if path.is_empty() { "The manifest".into() } else { format!("`{path}`") };
-        // Writing to a text cannot fail.
-        let _ = write!(text, "\n## {title}\n\n{}\n", prose(table));
-        let Some(keys) = table["properties"].as_object() else { return };
-        text.push_str("\n| key | value | meaning |\n| --- | --- | --- |\n");
-        for (key, value) in keys {
-            let at = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+    fn section(&mut self, path: &str, table: &'a Value) -> Section {
+        let keys = table["properties"].as_object();
+        let key = |(name, value): (&'a String, &'a Value)| {
+            let at = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
             let kind = self.kind(value, &at);
-            let _ = writeln!(text, "| `{key}` | {kind} | {} |", self.meaning(value));
-        }
+            let meaning = self.meaning(value);
+            Key { name: name.clone(), kind, meaning, tables: std::mem::take(&mut self.named) }
+        };
+        let keys = keys.into_iter().flatten().map(key).collect();
+        Section { path: path.to_string(), about: prose(table), keys }
     }
 
     /// The kind of a value, in words; tables in it are put on the list.
@@ -69,6 +110,7 @@ impl<'a> Page<'a> {
             Some("array") => self.list(value, path),
             Some("object") if value["properties"].is_object() => {
                 self.tables.push_back((path.to_string(), value));
+                self.named.push(path.to_string());
                 "table".into()
             }
             Some("object") if value["additionalProperties"].is_object() => {
@@ -129,9 +171,11 @@ impl<'a> Page<'a> {
         }
         // A table that holds itself, or that several keys name, is told once.
         if let Some((_, section)) = self.known.iter().find(|(known, _)| *known == name) {
+            self.named.push(section.clone());
             return format!("table as [`{section}`](#{})", anchor(section));
         }
         self.known.push((name, path.to_string()));
+        self.named.push(path.to_string());
         self.tables.push_back((path.to_string(), definition));
         format!("table [`{path}`](#{})", anchor(path))
     }

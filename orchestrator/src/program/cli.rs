@@ -61,6 +61,12 @@ pub enum Command {
         #[arg(long)]
         markdown: bool,
     },
+    /// Explain a key of the manifest: its value, unit, default and meaning.
+    Explain {
+        /// The key, as scene.fluid.viscosity, or its last name alone [default: the first keys of all]
+        #[arg(value_name = "KEY", default_value = "", hide_default_value = true)]
+        key: String,
+    },
     /// Take part in a run (the orchestrator calls this).
     #[command(hide = true)]
     Component {

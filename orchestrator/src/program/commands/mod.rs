@@ -34,7 +34,7 @@ pub use report::report;
 pub use resume::resume;
 pub use run::run;
 pub use signals::signals;
-pub use simple::{clean, component, components, conform, schema};
+pub use simple::{clean, component, components, conform, explain, schema};
 pub use steer::steer;
 pub use study::study;
 pub use validate::validate;

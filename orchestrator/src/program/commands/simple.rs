@@ -1,6 +1,6 @@
 //! Commands of a few lines.
 
-use crate::manifest;
+use crate::manifest::{self, KeyHelp};
 use crate::registry::{BUILT_IN, built_in};
 use crate::terminal::standard::{answer, answer_text, complain};
 use crate::tools::conform::ConformArgs;
@@ -46,6 +46,29 @@ pub fn schema(markdown: bool) -> ExitCode {
     match markdown {
         true => answer_text(manifest::reference_page()),
         false => answer(manifest::schema_text()),
+    }
+    ExitCode::SUCCESS
+}
+
+/// `tremie explain KEY`: what a key of the manifest is, or all keys of that name.
+pub fn explain(key: &str) -> ExitCode {
+    let found = match manifest::key_help(key) {
+        Ok(found) => found,
+        Err(error) => {
+            complain(format_args!("error: {error}"));
+            return ExitCode::from(super::WRONG_INPUT);
+        }
+    };
+    for KeyHelp { path, kind, meaning, keys } in &found {
+        answer(path);
+        answer(format_args!("  {kind}"));
+        if !meaning.is_empty() {
+            answer(format_args!("  {meaning}"));
+        }
+        let width = keys.iter().map(|key| key[0].len()).max().unwrap_or(0);
+        for [name, kind, meaning] in keys {
+            answer(format_args!("    {name:<width$}  {kind}. {meaning}"));
+        }
     }
     ExitCode::SUCCESS
 }
