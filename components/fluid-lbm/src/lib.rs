@@ -37,7 +37,7 @@ mod solver;
 #[cfg(feature = "component")]
 pub use fluid::{benchmark::benchmarks, component};
 
-pub use boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
+pub use boundary::virtual_piston::reservoir_state::ReservoirState;
 pub use domain::parameters::{
     Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls,
 };
@@ -45,6 +45,7 @@ pub use fluid::lbm_fluid::LbmFluid;
 pub use lattice::d3q19;
 pub use lattice::error::FluidError;
 pub use lattice::ledger::Ledger;
+pub use lattice::reservoir_place::ReservoirPlace;
 pub use report::findings::{findings, limits};
 pub use report::resolution::Resolution;
 pub use solver::diagnostics::{Diagnostics, Extreme, SliceNode};

@@ -1,6 +1,6 @@
 //! Errors of the fluid at run time.
 
-use crate::boundary::virtual_piston::reservoir_state::ReservoirPlace;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use tremie_messages::finding::short;
 
 /// A fault of a running fluid.

@@ -18,4 +18,5 @@ pub mod momentum_exchange;
 pub mod populations;
 pub mod reductions;
 pub mod reflection_impulse;
+pub mod reservoir_place;
 pub mod units;

@@ -2,7 +2,8 @@
 
 use crate::boundary::virtual_piston::cylinder::{FASTEST, LEAST};
 use crate::boundary::virtual_piston::part_surface::parts_of_area;
-use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, reservoirs_of};
+use crate::boundary::virtual_piston::reservoir_state::reservoirs_of;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::report::resolution::Resolution;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;

@@ -2,12 +2,13 @@
 
 use crate::bodies::body_memory;
 use crate::boundary::virtual_piston::part_surface::{ONE_WAY, area_of_link};
-use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, reservoirs_of};
+use crate::boundary::virtual_piston::reservoir_state::reservoirs_of;
 use crate::domain::parameters::{Parameters, Precision};
 use crate::lattice::aa_pattern;
 use crate::lattice::d3q19::{C, CS2, LINKS, Q, dot};
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Field;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::report::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
 use tremie_fluid_kit::cells::grid::Reach;

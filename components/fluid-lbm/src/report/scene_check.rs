@@ -1,6 +1,7 @@
 //! Demands of a scene that this fluid cannot meet.
 
-use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, reservoirs_of};
+use crate::boundary::virtual_piston::reservoir_state::reservoirs_of;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use tremie_fluid_kit::checks::material_check::check_material;
 use tremie_messages::Problem;
 use tremie_messages::scene::{

@@ -1,10 +1,11 @@
 //! Messages on bodies by the lattice's axes, and results of the fluid by the world's.
 
-use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
+use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::lattice::d3q19::{Q, each};
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::solver::diagnostics::SliceNode;
 use tremie_fluid_kit::probes::probe_signals::{count, first_velocity};
 use tremie_messages::scene::ProbeShape;

@@ -10,9 +10,10 @@
 //!
 //! Kept is the excess `M - N (L - H)`, so that rounding is relative to the flow.
 
-use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
+use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::lattice::d3q19::CS2;
 use crate::lattice::error::FluidError;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::lattice::units::Units;
 use tremie_messages::scene::{Reservoir, ReservoirMode};
 use tremie_state::{StateError, StateExchange};

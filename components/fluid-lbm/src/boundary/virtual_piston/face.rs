@@ -25,11 +25,12 @@ use crate::boundary::face_scheme::{
     FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
 };
 use crate::boundary::virtual_piston::cylinder::Cylinder;
-use crate::boundary::virtual_piston::reservoir_state::{ReservoirPlace, ReservoirState};
+use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::boundary::zou_he::Inward;
 use crate::lattice::d3q19::{Q, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::populations::Real;
+use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::lattice::units::Units;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
