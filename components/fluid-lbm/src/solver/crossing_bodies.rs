@@ -15,7 +15,7 @@
 //! M -= mass of the cells that it covers - mass of those that it uncovers
 //! ```
 //!
-//! (Parts let no body pass.)
+//! Spheres alone are counted. A part that stands still lets no body pass.
 
 use crate::bodies::body_list::Bodies;
 use crate::lattice::populations::Real;
@@ -41,9 +41,12 @@ pub fn count_crossing<T: Real>(
     let mut any = false;
     for (cell, holder, sign) in covered.chain(uncovered) {
         let Some(body) = holder.and_then(|handle| bodies.find_living(handle)) else { continue };
-        let is_new = bodies.newcomers.contains(&body.handle);
+        // The radius of a part reaches to its farthest point, which says nothing of a face beside it.
+        if body.is_part() || bodies.newcomers.contains(&body.handle) {
+            continue;
+        }
         let across = faces.crossed_by(body.position, body.radius, &lattice.layout.grid);
-        if let Some(face) = across.filter(|_| !is_new) {
+        if let Some(face) = across {
             face.take_back(sign * (1.0 + before.content(cell).drho));
             any = true;
         }

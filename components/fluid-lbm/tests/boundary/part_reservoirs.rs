@@ -72,7 +72,8 @@ fn flow(fluid: &LbmFluid, x: usize) -> f64 {
     across.map(|cell| fluid.velocity_at(cell)[0]).sum()
 }
 
-/// Whatever way the surface looks, what the piston displaces passes the duct, within 0.5 %. Reservoir and domain keep their mass to rounding.
+/// Whatever way the surface looks, what the piston displaces passes the duct, within 0.5 %. Reservoir and
+/// domain keep their mass to rounding.
 #[test]
 fn a_piston_behind_a_slanted_surface_feeds_a_duct() {
     for degrees in [0.0_f64, 14.0, 30.0, 45.0] {

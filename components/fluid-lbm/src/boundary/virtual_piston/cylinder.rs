@@ -4,8 +4,8 @@
 //! M = rho N (L - H)        dM/dt = - (mass that enters the domain)         dH/dt = v_p
 //! ```
 //!
-//! `N` cells lie at the face, or are the area of the part's side; `L` is the cylinder's volume over the piston's area, `H` the piston's
-//! way. That the area is `N` cells whatever the piston's is keeps `L`, and with it the physics,
+//! `N` cells lie at the face, or are the area of the part's side. `L` is the cylinder's volume over the
+//! piston's area, `H` the piston's way. That the area is `N` cells whatever the piston's is keeps `L`, and with it the physics,
 //! where cells follow a round bore only roughly, and in models that symmetry planes cut.
 //!
 //! Kept is the excess `M - N (L - H)`, so that rounding is relative to the flow.
