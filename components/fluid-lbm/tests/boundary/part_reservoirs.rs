@@ -1,7 +1,8 @@
 //! Reservoirs behind the surfaces of parts, square to the cells and aslant: flow, mass, sound, stability.
 
+use crate::common::only_reservoir as state;
 use crate::common::*;
-use tremie_fluid_lbm::{Collision, LbmFluid, ReservoirState};
+use tremie_fluid_lbm::{Collision, LbmFluid};
 use tremie_messages::scene::{Course, Face, Geometry, Outflow, PartBoundary, Reservoir, Scene};
 
 const OUTLET: Face =
@@ -52,17 +53,6 @@ impl Duct {
         let (case, scene) = self.scene(reservoir);
         case.fluid_of(&scene)
     }
-}
-
-fn state(fluid: &LbmFluid) -> ReservoirState {
-    let mut states = Vec::new();
-    fluid.reservoirs(&mut states);
-    assert_eq!(states.len(), 1);
-    states[0]
-}
-
-fn ramp(steps: f64) -> Course {
-    Course::Points(vec![[0.0, 0.0], [steps, 1.0]])
 }
 
 /// Flow along x through the duct at a place.

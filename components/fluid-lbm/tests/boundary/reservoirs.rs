@@ -1,6 +1,7 @@
 //! Reservoirs with a piston beyond a face: mass, pressure, sound and stability against what one
 //! dimension says, at each of the six faces.
 
+use crate::common::only_reservoir as state;
 use crate::common::*;
 use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, ReservoirState};
 use tremie_messages::scene::{Course, Face, Geometry, Outflow, Reservoir, ReservoirMode, Scene};
@@ -49,20 +50,9 @@ impl Tube {
     }
 }
 
-fn state(fluid: &LbmFluid) -> ReservoirState {
-    let mut states = Vec::new();
-    fluid.reservoirs(&mut states);
-    assert_eq!(states.len(), 1);
-    states[0]
-}
-
 fn step(fluid: &mut LbmFluid) -> Result<ReservoirState, FluidError> {
     fluid.step(&[], &mut [])?;
     Ok(state(fluid))
-}
-
-fn ramp(steps: f64) -> Course {
-    Course::Points(vec![[0.0, 0.0], [steps, 1.0]])
 }
 
 /// Reservoir and domain together keep their mass: to 1e-11 of it over 1e4 steps, the piston at full

@@ -3,10 +3,11 @@
 #![allow(dead_code)]
 
 use tremie_fluid_lbm::{
-    Collision, GapPressure, LbmFluid, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
+    Collision, GapPressure, LbmFluid, OpenFaces, Parameters, Precision, Refill, ReservoirState,
+    Variant, Walls,
 };
 use tremie_messages::scene::{
-    Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
+    Course, Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Load};
@@ -208,6 +209,19 @@ pub fn steady_drag(case: &Case, scene: &Scene, event: BodyEvent, position: [f64;
         }
         before = superficial;
     }
+}
+
+/// The state of the fluid's only reservoir.
+pub fn only_reservoir(fluid: &LbmFluid) -> ReservoirState {
+    let mut states = Vec::new();
+    fluid.reservoirs(&mut states);
+    assert_eq!(states.len(), 1);
+    states[0]
+}
+
+/// From nothing to all in so many steps.
+pub fn ramp(steps: f64) -> Course {
+    Course::Points(vec![[0.0, 0.0], [steps, 1.0]])
 }
 
 /// Every cell of a fluid.
