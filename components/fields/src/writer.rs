@@ -190,6 +190,8 @@ impl Observer for Fields {
                 log: false,
                 hashes: false,
                 messages: false,
+                loads: false,
+                timings: false,
             },
             ..Description::default()
         })

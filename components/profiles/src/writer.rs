@@ -170,6 +170,8 @@ impl Observer for ProfileWriter {
                 log: false,
                 hashes: false,
                 messages: false,
+                loads: false,
+                timings: false,
                 volumes: None,
             },
             ..Description::default()

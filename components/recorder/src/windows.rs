@@ -47,7 +47,11 @@ impl Stream {
             FrameContent::Messages(channels) => {
                 channels.iter().map(|channel| Self::of_channel(from, channel)).collect()
             }
-            FrameContent::Log | FrameContent::Volume(_) | FrameContent::Profile(_) => Vec::new(),
+            FrameContent::Log
+            | FrameContent::Loads
+            | FrameContent::Timings(_)
+            | FrameContent::Volume(_)
+            | FrameContent::Profile(_) => Vec::new(),
         }
     }
 }

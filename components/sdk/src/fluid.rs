@@ -29,6 +29,10 @@ impl<T: Fluid> Participant for AsFluid<T> {
     const ROLE: Role = Role::Fluid;
     const PROGRAM: &'static str = T::PROGRAM;
 
+    fn program() -> String {
+        T::program()
+    }
+
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
         check_polyhedra(setup, T::PROGRAM, T::TAKES_POLYHEDRA)?;

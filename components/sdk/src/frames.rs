@@ -6,8 +6,8 @@ use crate::sent::SentMessages;
 use crate::stop::Stop;
 use tremie_channels::{ChannelError, ChannelMedium, ChannelSpec, Ringer, Sender};
 use tremie_messages::frame::{
-    BodySample, MessagesHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
-    VolumeHeader,
+    BodySample, LoadSample, MessagesHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode,
+    SurfaceSample, VolumeHeader,
 };
 use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
 use tremie_messages::units::wait;
@@ -17,6 +17,7 @@ use tremie_messages::{BodyEvent, BodyState, Stamp};
 enum Stream<S: ChannelMedium> {
     Bodies(Sender<S, Stamp, BodySample>),
     Surfaces(Sender<S, Stamp, SurfaceSample>),
+    Loads(Sender<S, Stamp, LoadSample>),
     Slice(String, Sender<S, SliceHeader, SliceNode>),
     Volume(VolumeGrid, Sender<S, VolumeHeader, SliceNode>),
     Profile(String, Sender<S, ProfileHeader, ProfileBin>),
@@ -57,6 +58,8 @@ pub trait FrameSource {
     fn bodies(&self, _states: &mut Vec<BodyState>, _kinds: &mut Vec<BodyEvent>) {}
     /// All vertices of deformable surfaces, as they are.
     fn surfaces(&mut self, _samples: &mut [SurfaceSample]) {}
+    /// Loads on all bodies, as they are.
+    fn loads(&self, _samples: &mut Vec<LoadSample>) {}
     /// A cut through a field.
     fn slice(&mut self, _name: &str, _nodes: &mut [SliceNode]) -> SliceHeader {
         SliceHeader::default()
@@ -91,6 +94,7 @@ impl<S: ChannelMedium> Frames<S> {
                 FrameContent::Surfaces => {
                     Stream::Surfaces(open.sender_with_patience(spec, patience)?)
                 }
+                FrameContent::Loads => Stream::Loads(open.sender_with_patience(spec, patience)?),
                 FrameContent::Slice(name) => {
                     Stream::Slice(name.clone(), open.sender_with_patience(spec, patience)?)
                 }
@@ -109,7 +113,7 @@ impl<S: ChannelMedium> Frames<S> {
                 FrameContent::Messages(_) => {
                     Stream::Messages(open.sender_with_patience(spec, patience)?)
                 }
-                FrameContent::Log => continue,
+                FrameContent::Timings(_) | FrameContent::Log => continue,
             };
             outlets.push(Outlet {
                 plan: plan.clone(),
@@ -272,6 +276,11 @@ impl<S: ChannelMedium> Outlet<S> {
                 let mut loan = sender.loan(self.plan.capacity as usize)?;
                 shown.surfaces(loan.values());
                 loan.send(stamp)
+            }
+            Stream::Loads(sender) => {
+                let mut samples = Vec::new();
+                shown.loads(&mut samples);
+                sender.send_copy(stamp, &samples)
             }
             Stream::Slice(name, sender) => {
                 let mut loan = sender.loan(self.plan.capacity as usize)?;

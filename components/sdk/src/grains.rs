@@ -15,7 +15,7 @@ use crate::stop::Stop;
 use crate::substep_coupling::{Sizes, SubstepCoupling};
 use std::marker::PhantomData;
 use tremie_channels::{ChannelMedium, Received};
-use tremie_messages::frame::{ProfileBin, ProfileHeader};
+use tremie_messages::frame::{LoadSample, ProfileBin, ProfileHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, Place, PortState, Problem, Role, Stamp};
@@ -28,11 +28,16 @@ impl<T: Grains> Participant for AsGrains<T> {
     const ROLE: Role = Role::Grains;
     const PROGRAM: &'static str = T::PROGRAM;
 
+    fn program() -> String {
+        T::program()
+    }
+
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
         check_polyhedra(setup, T::PROGRAM, T::TAKES_POLYHEDRA)?;
         let own = T::describe(setup)?;
-        let described = Description { ports: T::TAKES_PORTS, tells_places: true, ..own };
+        let described =
+            Description { ports: T::TAKES_PORTS, tells_places: true, tells_loads: true, ..own };
         Ok(Impulse::announce(described, "impulse_received"))
     }
 
@@ -68,6 +73,33 @@ impl<S: ChannelMedium, G: Grains> FrameSource for GrainsPlayer<S, G> {
         states.resize(self.grains.count(), BodyState::at_rest(0, [0.0; 3]));
         self.grains.state(states);
         kinds.extend_from_slice(&self.kinds);
+    }
+
+    fn loads(&self, samples: &mut Vec<LoadSample>) {
+        const UNKNOWN: [f64; 3] = [f64::NAN; 3];
+        let (mut states, mut kinds) = (Vec::new(), Vec::new());
+        self.bodies(&mut states, &mut kinds);
+        let mut contacts = vec![UNKNOWN; states.len()];
+        if !self.grains.contact_forces(&mut contacts) {
+            contacts.fill(UNKNOWN);
+        }
+        let mut loads = self.loads.as_ref().map_or(&[][..], |message| message.values()).iter();
+        let mut next = loads.next();
+        for ((state, kind), contact) in states.iter().zip(&kinds).zip(contacts) {
+            // Both ascend. Who came at the window's end has none yet.
+            while next.is_some_and(|load| load.id < state.id) {
+                next = loads.next();
+            }
+            let own = next.filter(|load| load.id == state.id);
+            samples.push(LoadSample {
+                id: state.id,
+                position: state.position,
+                fluid: own.map_or(UNKNOWN, |load| load.force),
+                contact,
+                shape: kind.shape,
+                set: kind.set,
+            });
+        }
     }
 
     fn has_profile(&self, name: &str, is_last: bool) -> bool {

@@ -2,6 +2,7 @@
 //! a line. Over standard input and output for a process, over memory for a thread.
 
 use std::io::{BufRead, Write};
+use std::os::fd::AsFd;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use tremie_messages::start::{Reply, Request};
 
@@ -32,10 +33,13 @@ enum Output {
 
 impl ControlPipe {
     /// The line of a process: standard input and output.
+    ///
+    /// Standard output becomes standard error for everything else: what a component prints, or a
+    /// library that it calls, is the run's log and no reply.
     pub fn of_process() -> Self {
         Self {
             input: Input::Text(Box::new(std::io::BufReader::new(std::io::stdin()))),
-            replier: Replier::over(Output::Text(Box::new(std::io::stdout()))),
+            replier: Replier::over(Output::Text(own_output())),
         }
     }
 
@@ -100,6 +104,16 @@ impl Replier {
                 writer.write_all(text.as_bytes()).and_then(|()| writer.flush()).map_err(|_| Closed)
             }
         }
+    }
+}
+
+/// The process's standard output, for replies alone; without a spare descriptor it stays as it is.
+fn own_output() -> Box<dyn Write + Send> {
+    let shared = std::io::stdout();
+    let Ok(line) = shared.as_fd().try_clone_to_owned() else { return Box::new(shared) };
+    match rustix::stdio::dup2_stdout(rustix::stdio::stderr()) {
+        Ok(()) => Box::new(std::fs::File::from(line)),
+        Err(_) => Box::new(shared),
     }
 }
 

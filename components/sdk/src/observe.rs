@@ -15,8 +15,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Received, Receiver};
 use tremie_messages::frame::{
-    BodySample, LogHeader, MessagesHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode,
-    SurfaceSample, VolumeHeader,
+    BodySample, ComponentTiming, LoadSample, LogHeader, MessagesHeader, ProfileBin, ProfileHeader,
+    SliceHeader, SliceNode, SurfaceSample, TimingHeader, VolumeHeader,
 };
 use tremie_messages::start::{
     Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Reply,
@@ -32,6 +32,8 @@ const PULSE: Duration = Duration::from_millis(500);
 enum FrameReceiver<S: ChannelMedium> {
     Bodies(Ahead<S, Stamp, BodySample>),
     Surfaces(Ahead<S, Stamp, SurfaceSample>),
+    Loads(Ahead<S, Stamp, LoadSample>),
+    Timings(Ahead<S, TimingHeader, ComponentTiming>),
     Slice(Ahead<S, SliceHeader, SliceNode>),
     Volume(Ahead<S, VolumeHeader, SliceNode>),
     Profile(Ahead<S, ProfileHeader, ProfileBin>),
@@ -133,6 +135,10 @@ pub struct AsObserver<T>(PhantomData<T>);
 impl<T: Observer> Participant for AsObserver<T> {
     const ROLE: Role = Role::Observer;
     const PROGRAM: &'static str = T::PROGRAM;
+
+    fn program() -> String {
+        T::program()
+    }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         T::describe(setup)
@@ -288,6 +294,8 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
         let input = match &plan.content {
             FrameContent::Bodies => FrameReceiver::Bodies(Ahead::open(attachment, plan)?),
             FrameContent::Surfaces => FrameReceiver::Surfaces(Ahead::open(attachment, plan)?),
+            FrameContent::Loads => FrameReceiver::Loads(Ahead::open(attachment, plan)?),
+            FrameContent::Timings(_) => FrameReceiver::Timings(Ahead::open(attachment, plan)?),
             FrameContent::Slice(_) => FrameReceiver::Slice(Ahead::open(attachment, plan)?),
             FrameContent::Volume(_) => FrameReceiver::Volume(Ahead::open(attachment, plan)?),
             FrameContent::Profile(_) => FrameReceiver::Profile(Ahead::open(attachment, plan)?),
@@ -305,9 +313,9 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
 }
 
 impl<S: ChannelMedium> Inlet<S> {
-    /// True if a first frame has come. Lines of the log come when they come.
+    /// True if a first frame has come. What the orchestrator sends comes when it comes.
     fn has_begun(&self) -> bool {
-        self.before.is_some() || self.plan.content == FrameContent::Log
+        self.before.is_some() || self.plan.content.is_of_orchestrator()
     }
 
     /// Shows the observer the next frame, if one has arrived that it may see by now; returns whether.
@@ -330,7 +338,7 @@ impl<S: ChannelMedium> Inlet<S> {
         let (stamp, said) = shown;
         said.map_err(|error| wrong(context, error))?;
         context.window = stamp.window;
-        if self.plan.content != FrameContent::Log {
+        if !self.plan.content.is_of_orchestrator() {
             let is_profile = matches!(self.plan.content, FrameContent::Profile(_));
             let step = self.before.map_or(0, |before| stamp.window.saturating_sub(before));
             // Tables end when they do.
@@ -398,6 +406,9 @@ impl<S: ChannelMedium> Inlet<S> {
             (FrameReceiver::Hashes(_) | FrameReceiver::Messages(_), _) => {
                 return self.take_of_messages(observer, &show, may);
             }
+            (FrameReceiver::Loads(_) | FrameReceiver::Timings(_), _) => {
+                return self.take_of_coupling(observer, &show, may);
+            }
             (FrameReceiver::Log(ahead), _) => {
                 ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
                     let text = String::from_utf8_lossy(frame.values());
@@ -410,6 +421,30 @@ impl<S: ChannelMedium> Inlet<S> {
 }
 
 impl<S: ChannelMedium> Inlet<S> {
+    /// As [`Inlet::take`], of loads and timings.
+    fn take_of_coupling<O: Observer>(
+        &mut self,
+        observer: &mut O,
+        show: &Show<'_>,
+        may: &mut May<'_>,
+    ) -> Result<Option<Shown>, Stop> {
+        let from = &self.plan.from;
+        Ok(match (&mut self.input, &self.plan.content) {
+            (FrameReceiver::Loads(ahead), _) => {
+                ahead.next(|stamp| stamp.window, may)?.and_then(|frame| {
+                    show(*frame.header(), &mut |at| observer.loads(from, at, frame.values()))
+                })
+            }
+            (FrameReceiver::Timings(ahead), FrameContent::Timings(coupling)) => {
+                ahead.next(|header| header.stamp.window, may)?.and_then(|frame| {
+                    let (header, timings) = (frame.header(), frame.values());
+                    show(header.stamp, &mut |at| observer.timings(at, coupling, header, timings))
+                })
+            }
+            _ => None,
+        })
+    }
+
     /// As [`Inlet::take`], of hashes and copies of messages.
     fn take_of_messages<O: Observer>(
         &mut self,

@@ -7,10 +7,10 @@ use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::Path;
 use tremie_messages::frame::{
-    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
-    VolumeHeader,
+    BodySample, ComponentTiming, LoadSample, LogHeader, ProfileBin, ProfileHeader, SliceHeader,
+    SliceNode, SurfaceSample, TimingHeader, VolumeHeader,
 };
-use tremie_messages::start::{Description, SentChannel, Signal};
+use tremie_messages::start::{Description, RunCoupling, SentChannel, Signal};
 use tremie_messages::{Problem, Stamp};
 use tremie_state::{StateError, StateExchange};
 
@@ -106,6 +106,12 @@ pub trait Observer: Sized {
     /// Name and version of the program, for the log.
     const PROGRAM: &'static str;
 
+    /// Name and version as the program describes itself: another than `PROGRAM` only where one program
+    /// serves whatever a user wrote.
+    fn program() -> String {
+        Self::PROGRAM.into()
+    }
+
     /// Checks the parameters and says what the observer needs; nothing is opened yet.
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>>;
 
@@ -142,6 +148,28 @@ pub trait Observer: Sized {
         _from: &str,
         _at: Moment,
         _samples: &[SurfaceSample],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    /// Loads on all bodies at one moment. Comes only to observers that ask for loads.
+    fn loads(
+        &mut self,
+        _from: &str,
+        _at: Moment,
+        _loads: &[LoadSample],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    /// Wall time that the components of `coupling` have taken so far, one for each. Comes only to
+    /// observers that ask for timings, and to lossless ones, too, only as far as there is room.
+    fn timings(
+        &mut self,
+        _at: Moment,
+        _coupling: &RunCoupling,
+        _header: &TimingHeader,
+        _timings: &[ComponentTiming],
     ) -> Result<(), ObserverError> {
         Ok(())
     }

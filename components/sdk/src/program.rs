@@ -18,6 +18,12 @@ pub trait Participant {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
+    /// Name and version as the program describes itself: another than [`Participant::PROGRAM`] only
+    /// where one program serves whatever a user wrote.
+    fn program() -> String {
+        Self::PROGRAM.into()
+    }
+
     /// Its description.
     ///
     /// # Errors
@@ -36,7 +42,7 @@ pub trait Participant {
 /// # Errors
 /// A sentence for standard error.
 pub fn run<P: Participant>(mut line: ControlPipe) -> Result<(), String> {
-    match introduce(&mut line, P::ROLE, P::PROGRAM, P::describe)? {
+    match introduce(&mut line, P::ROLE, &P::program(), P::describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
             P::serve::<SharedMemory>(line, *all)
@@ -47,7 +53,7 @@ pub fn run<P: Participant>(mut line: ControlPipe) -> Result<(), String> {
 
 /// The whole `main` of a program that is a component.
 pub fn main<P: Participant>() -> ExitCode {
-    main_of(P::PROGRAM, P::ROLE.name(), run::<P>)
+    main_of(&P::program(), P::ROLE.name(), run::<P>)
 }
 
 /// Runs `component` over standard input and output, or says how the program is meant to be started.

@@ -77,6 +77,12 @@ pub trait Fluid: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
+    /// Name and version as the program describes itself: another than `PROGRAM` only where one program
+    /// serves whatever a user wrote.
+    fn program() -> String {
+        Self::PROGRAM.into()
+    }
+
     /// True if it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A
     /// scene with some is refused otherwise.
     const TAKES_SURFACES: bool = false;
@@ -208,6 +214,12 @@ pub trait Grains: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
+    /// Name and version as the program describes itself: another than `PROGRAM` only where one program
+    /// serves whatever a user wrote.
+    fn program() -> String {
+        Self::PROGRAM.into()
+    }
+
     /// True if they take deformable surfaces: all methods from [`Grains::carriers`] on. A scene
     /// with some is refused otherwise.
     const TAKES_SURFACES: bool = false;
@@ -291,6 +303,13 @@ pub trait Grains: Sized {
     /// [`Limit::watch`]: tremie_messages::Limit::watch
     fn place(&self, _signal: &str) -> Option<Place> {
         None
+    }
+
+    /// Writes the force of contacts on each living body as it is at the window's end, in the order of
+    /// [`Grains::state`] [N]; `false` where the grains do not know it. Called only when an observer
+    /// looks; nothing that follows may depend on it.
+    fn contact_forces(&self, _forces: &mut [[f64; 3]]) -> bool {
+        false
     }
 
     /// Work done in one substep, in the description's unit.
@@ -382,6 +401,12 @@ pub trait Grains: Sized {
 pub trait Rubber: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
+
+    /// Name and version as the program describes itself: another than `PROGRAM` only where one program
+    /// serves whatever a user wrote.
+    fn program() -> String {
+        Self::PROGRAM.into()
+    }
 
     /// Checks scene and parameters, and says what the rubber needs. A `step` is the longest that it
     /// can take; it makes the grains' substeps.

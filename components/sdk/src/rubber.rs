@@ -26,6 +26,10 @@ impl<T: Rubber> Participant for AsRubber<T> {
     const ROLE: Role = Role::Rubber;
     const PROGRAM: &'static str = T::PROGRAM;
 
+    fn program() -> String {
+        T::program()
+    }
+
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         Ok(Description { tells_places: true, ..T::describe(setup)? })
     }

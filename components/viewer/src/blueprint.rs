@@ -37,6 +37,8 @@ pub struct Container {
     kind: ContainerKind,
     name: String,
     parts: Vec<(Part, f32)>,
+    /// Place of the tab that is open.
+    open: usize,
 }
 
 impl View {
@@ -76,13 +78,18 @@ impl View {
 impl Container {
     /// An empty container.
     pub fn new(kind: ContainerKind, name: &str) -> Self {
-        Self { kind, name: name.into(), parts: Vec::new() }
+        Self { kind, name: name.into(), parts: Vec::new(), open: 0 }
     }
 
     /// Adds a part that takes `share` of the room, relative to the others.
     pub fn with(mut self, part: impl Into<Part>, share: f32) -> Self {
         self.parts.push((part.into(), share));
         self
+    }
+
+    /// Opens the tab at a place, counted from 0.
+    pub fn open_at(self, open: usize) -> Self {
+        Self { open, ..self }
     }
 }
 
@@ -179,7 +186,7 @@ impl Writer<'_> {
             ContainerKind::Vertical => record.with_row_shares(shares.map(RowShare)),
             ContainerKind::Horizontal => record.with_col_shares(shares.map(ColumnShare)),
             ContainerKind::Tabs => record.with_active_tab(ActiveTab(
-                paths.first().map(String::as_str).unwrap_or_default().into(),
+                paths.get(container.open).map(String::as_str).unwrap_or_default().into(),
             )),
             ContainerKind::Grid => record,
         };

@@ -4,7 +4,11 @@ use crate::scale::{GREY, Scale, speed};
 use crate::session::REPEAT;
 use crate::view::{part, single};
 use rerun::components::FillMode;
-use rerun::{Color, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult};
+use rerun::external::arrow::array::UInt64Array;
+use rerun::{
+    AnyValues, AsComponents, Color, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult,
+};
+use std::sync::Arc;
 use tremie_messages::BodyEvent;
 use tremie_messages::frame::BodySample;
 use tremie_messages::scene::Scene;
@@ -20,6 +24,9 @@ struct RoundSet {
     /// Length of its cylinders, and the turn that takes z to their axis; none of spheres.
     cylinders: Option<(f32, [f32; 4])>,
     radii: Vec<f32>,
+    /// Ids of its bodies, which a viewer shows for the one that is hovered over or selected.
+    ids: Vec<u64>,
+    ids_age: u32,
     age: u32,
     shown: bool,
 }
@@ -68,7 +75,15 @@ fn is_round(body: &BodySample) -> bool {
 
 impl RoundSet {
     fn new(path: String, cylinders: Option<(f32, [f32; 4])>) -> Self {
-        Self { path, cylinders, radii: Vec::new(), age: 0, shown: false }
+        Self {
+            path,
+            cylinders,
+            radii: Vec::new(),
+            ids: Vec::new(),
+            ids_age: 0,
+            age: 0,
+            shown: false,
+        }
     }
 
     fn log<'a>(
@@ -82,13 +97,14 @@ impl RoundSet {
             return Ok(());
         }
         self.shown = !radii.is_empty();
+        let ids = self.ids(bodies.clone());
         if let Some((length, turn)) = self.cylinders {
             let cylinders = Cylinders3D::from_lengths_and_radii([length], radii)
                 .with_centers(bodies.clone().map(|body| single(body.state.position)))
                 .with_quaternions([turn])
                 .with_colors(bodies.map(|body| Color::from_u32(colour(body, scale))))
                 .with_fill_mode(FillMode::Solid);
-            return stream.log(self.path.as_str(), &cylinders);
+            return stream.log(self.path.as_str(), &both(&cylinders, &ids));
         }
         let mut points = Points3D::update_fields()
             .with_positions(bodies.clone().map(|body| single(body.state.position)))
@@ -99,8 +115,26 @@ impl RoundSet {
             self.radii = radii;
             self.age = 0;
         }
-        stream.log(self.path.as_str(), &points)
+        stream.log(self.path.as_str(), &both(&points, &ids))
     }
+
+    /// The ids, where they are others than before, and now and then.
+    fn ids<'a>(&mut self, bodies: impl Iterator<Item = &'a BodySample> + Clone) -> AnyValues {
+        let is_same = self.ids.iter().copied().eq(bodies.clone().map(|body| body.state.id));
+        self.ids_age += 1;
+        if is_same && self.ids_age < REPEAT {
+            return AnyValues::default();
+        }
+        self.ids = bodies.map(|body| body.state.id).collect();
+        self.ids_age = 0;
+        let ids = Arc::new(UInt64Array::from(self.ids.clone()));
+        AnyValues::default().with_component_from_data("id", ids)
+    }
+}
+
+/// A shape with the ids of its bodies, in one row.
+fn both<'a>(shape: &'a dyn AsComponents, ids: &'a AnyValues) -> [&'a dyn AsComponents; 2] {
+    [shape, ids]
 }
 
 /// The turn that takes z to an axis, a unit quaternion.

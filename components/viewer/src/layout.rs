@@ -1,9 +1,10 @@
-//! Layout of the views.
+//! Layout of the views: the tab of the run, and beside it that of the coupling.
 
 use crate::blueprint::{Container, Part, View};
+use crate::coupling::Coupling;
 use crate::legend::{HEIGHT, Legend, SOLIDS, SPEED, STRAIN, WIDTH};
 use crate::profiles::ProfileView;
-use crate::signals::Plot;
+use crate::signals::{Plot, mean};
 use crate::view::{Eye, single};
 use rerun::blueprint::components::{
     BackgroundKind, ContainerKind, Corner2D, TextLogColumn, VisualBounds2D,
@@ -20,8 +21,13 @@ use rerun::external::re_sdk_types::blueprint::datatypes::{
 /// Most plots that are seen at once; more would be too small to read.
 const PLOTS_AT_ONCE: usize = 4;
 
-/// Width of a plot over that of its curves: the rest is the legend's.
-const LEGEND_ROOM: f64 = 1.55;
+/// Share of a plot's width that a legend takes without names, and for each letter of the longest; and
+/// the most that it gets.
+const LEGEND: f64 = 0.13;
+const LETTER: f64 = 0.024;
+const MOST: f64 = 0.4;
+/// Letters for which there is room in the tab of the coupling, whose plots are wider.
+pub const CURVE_NAME: usize = 6;
 
 /// A cut and the eye that looks straight at it.
 pub struct CutView {
@@ -63,10 +69,24 @@ pub struct Shown<'a> {
     pub plots: &'a [Plot],
     /// Simulated time that plots reach to [s]; as far as there are data, if it is not known.
     pub end: Option<f64>,
+    /// The tab of the coupling.
+    pub coupling: &'a Coupling,
+}
+
+/// The run, and the coupling in a tab behind it.
+pub fn layout(shown: &Shown<'_>) -> Container {
+    let run = run(shown);
+    match shown.coupling.tab(shown.overview, shown.end) {
+        None => run,
+        Some(coupling) => Container::new(ContainerKind::Tabs, "Tremie")
+            .with(run, 1.0)
+            .with(coupling, 1.0)
+            .open_at(usize::from(shown.coupling.opens())),
+    }
 }
 
 /// The scene at the left with the legend below; cuts, words, plots and log at the right.
-pub fn layout(shown: &Shown<'_>) -> Container {
+fn run(shown: &Shown<'_>) -> Container {
     let left = Container::new(ContainerKind::Vertical, "Scene")
         .with(scenes(shown), 10.0)
         .with(legends(shown.rubber, shown.sheets), 1.0);
@@ -81,7 +101,7 @@ pub fn layout(shown: &Shown<'_>) -> Container {
         right = right.with(part, 3.0);
     }
     right = right.with(log(), 2.0);
-    Container::new(ContainerKind::Horizontal, "Tremie").with(left, 3.0).with(right, 2.0)
+    Container::new(ContainerKind::Horizontal, "Run").with(left, 3.0).with(right, 2.0)
 }
 
 /// A text, without those below it: Rerun shows one text in a view, or none.
@@ -93,7 +113,9 @@ fn words(name: &str, path: &str) -> View {
 /// behind them.
 fn scenes(shown: &Shown<'_>) -> Part {
     let hidden = |what: &str| format!("- /scene/{what}/**");
-    let without = |what: &str| vec!["+ /scene/**".to_string(), hidden("profiles"), hidden(what)];
+    let without = |what: &str| {
+        vec!["+ /scene/**".to_string(), hidden("profiles"), hidden("loads"), hidden(what)]
+    };
     let with_cuts = |name| space(name, shown.overview, without("streamlines"));
     if !shown.streamlines {
         return with_cuts("Scene").into();
@@ -116,7 +138,8 @@ fn tabs(name: &str, views: impl IntoIterator<Item = impl Into<Part>>) -> Contain
         .fold(Container::new(ContainerKind::Tabs, name), |tabs, view| tabs.with(view, 1.0))
 }
 
-fn space(name: &str, eye: Eye, contents: Vec<String>) -> View {
+/// A view of the scene from an eye.
+pub fn space(name: &str, eye: Eye, contents: Vec<String>) -> View {
     let controls = EyeControls3D::new()
         .with_position(single(eye.position))
         .with_look_target(single(eye.target))
@@ -165,13 +188,16 @@ fn legend_names(rubber: bool, sheets: bool) -> Vec<(&'static str, Legend)> {
 }
 
 fn legend(name: &str, legend: &Legend) -> View {
-    let [width, height] = [f64::from(WIDTH), f64::from(HEIGHT)];
-    let range = Range2D {
-        x_range: [-0.08 * width, 1.08 * width].into(),
-        y_range: [-0.3 * height, 2.6 * height].into(),
-    };
-    View::new("2D", name, &legend.path)
-        .property("VisualBounds2D", Bounds::new(VisualBounds2D(range)))
+    let [width, height] = [WIDTH as f32, HEIGHT as f32];
+    let corners = [[-0.08 * width, -0.3 * height], [1.08 * width, 2.6 * height]];
+    picture(name, &legend.path, corners)
+}
+
+/// A view of what is drawn in a plane between two corners.
+pub fn picture(name: &str, path: &str, [low, high]: [[f32; 2]; 2]) -> View {
+    let range = |a: usize| [f64::from(low[a]), f64::from(high[a])].into();
+    let range = Range2D { x_range: range(0), y_range: range(1) };
+    View::new("2D", name, path).property("VisualBounds2D", Bounds::new(VisualBounds2D(range)))
 }
 
 /// The first plots, two in a row, and the others in tabs behind the last.
@@ -203,12 +229,33 @@ fn plot_parts(plots: &[Plot], end: Option<f64>) -> Vec<Container> {
 /// A plot whose time runs to the end of the run and on: so that the legend, which Rerun draws over
 /// the curves, has a place where there are none.
 fn plot_view(plot: &Plot, end: Option<f64>) -> View {
-    let view = View::new("TimeSeries", plot.title.as_str(), "signals")
-        .contents(plot.paths.iter().map(|path| format!("/{path}")))
+    let lines = plot.lines.iter();
+    let paths = lines
+        .clone()
+        .flat_map(|line| [format!("/{}", line.path), format!("/{}", mean(&line.path))]);
+    let longest = lines.map(|line| line.name.chars().count()).max().unwrap_or(0);
+    time_series(plot.title.as_str(), paths, end, longest)
+}
+
+/// Curves over time, by the contents of their view; their names have a few letters.
+pub fn curves(title: impl Into<String>, contents: Vec<String>, end: Option<f64>) -> View {
+    time_series(title, contents, end, CURVE_NAME)
+}
+
+/// The same, with room for a legend of names of so many letters.
+pub fn time_series(
+    title: impl Into<String>,
+    contents: impl IntoIterator<Item = String>,
+    end: Option<f64>,
+    letters: usize,
+) -> View {
+    let view = View::new("TimeSeries", title, "/")
+        .contents(contents)
         .property("PlotLegend", PlotLegend::new().with_corner(Corner2D::RightTop));
     let Some(end) = end.filter(|end| *end > 0.0) else { return view };
     let at = |seconds: f64| TimeRangeBoundary::Absolute(TimeInt((seconds * 1e9) as i64));
-    let range = TimeRange { start: at(0.0), end: at(LEGEND_ROOM * end) };
+    let room = 1.0 / (1.0 - (LEGEND + LETTER * letters as f64).min(MOST));
+    let range = TimeRange { start: at(0.0), end: at(room * end) };
     view.property("TimeAxis", TimeAxis::new().with_view_range(range))
 }
 

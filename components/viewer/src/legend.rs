@@ -11,7 +11,7 @@ pub const WIDTH: u32 = 256;
 /// Height of the bar.
 pub const HEIGHT: u32 = 8;
 /// Readable on the light and on the dark ground that labels have by the user's theme.
-const READABLE: Color = Color(rerun::Rgba32::from_rgb(70, 125, 165));
+pub const READABLE: Color = Color(rerun::Rgba32::from_rgb(70, 125, 165));
 /// Numbers along the bar, ends included.
 const MARKS: u32 = 5;
 

@@ -15,12 +15,19 @@
 //! | `scene/rubber/<name>` | a deformable surface, coloured by equivalent shear strain | triangles now and then, the rest each frame |
 //! | `legend/speed`, `legend/strain`, `legend/solid_fraction` | colour scales and their numbers | when a scale changes |
 //! | `signals/<component>/<name>` | watched scalars, one plot per component and unit; mass flow rates of grains through sections as means since the frame before | each frame |
+//! | `scene/loads/<kind>` | loads on bodies as arrows: of the fluid, of contacts | each frame |
+//! | `coupling/schedule` | who waits for whom, as boxes and arrows | static |
+//! | `coupling/window`, `coupling/time`, `coupling/windows_per_second` | wall time of the components | each frame |
+//! | `coupling/impulse` | impulse that the fluid delivered and the grains received | each frame |
+//! | `coupling/followed/<id>` | loads on bodies that the user named | each frame |
 //! | `log` | the run's log | each line |
 //! | `about` | domain, fluid, bodies and schedule in words | static |
 //! | `about/signals` | what the signals mean | static |
 //!
 //! Timelines are `sim_time` (simulated seconds, shown first) and `window` (coupling windows). No
-//! wall clock enters.
+//! wall clock enters, but for the wall time that components take, in the tab "Coupling".
+//!
+//! **Forces that ring** have a running mean beside them, over 16 frames, at the middle of these.
 //!
 //! **Colours.** Bodies and cuts share one scale of speed from zero to a round number that never
 //! falls while a run goes on ([`scale::Scale`]); `max_speed` fixes it. Rubber has one of its own,
@@ -47,12 +54,15 @@
 
 mod blueprint;
 mod bodies;
+mod coupling;
 mod cut;
 mod field;
 mod flow;
+mod impulse;
 mod isosurface;
 mod layout;
 mod legend;
+mod loads;
 mod page;
 mod parameters;
 mod parts;
@@ -61,7 +71,9 @@ mod profiles;
 mod quantity;
 mod rates;
 mod rubber;
+mod running_mean;
 pub mod scale;
+mod schedule;
 mod section;
 mod session;
 mod shade;
@@ -69,10 +81,11 @@ mod signals;
 mod solids;
 mod stage;
 mod streamlines;
+mod timings;
 mod view;
 mod viewer;
 
-pub use parameters::{Mode, Parameters, PlaneSetting};
+pub use parameters::{LoadKind, Mode, Parameters, PlaneSetting, Tab};
 pub use quantity::CutQuantity;
 pub use session::Session;
 pub use viewer::{Viewer, run};

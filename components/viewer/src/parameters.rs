@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tremie_messages::Problem;
 use tremie_messages::scene::Scene;
 use tremie_messages::start::{VolumeWish, Watches};
-use tremie_messages::units::{Length, Pressure, Velocity};
+use tremie_messages::units::{Force, Length, Pressure, Velocity};
 
 /// Streamlines where nothing else is said.
 const STREAMLINES: u32 = 120;
@@ -32,6 +32,27 @@ pub enum Mode {
     Native,
     /// A recording that `rerun` opens later.
     File,
+}
+
+/// A tab of the viewer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Tab {
+    /// The scene, cuts, curves and the log.
+    #[default]
+    Run,
+    /// Loads on bodies, the schedule, and where the wall time goes.
+    Coupling,
+}
+
+/// A kind of loads on bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum LoadKind {
+    /// Force of the fluid, buoyancy included.
+    Fluid,
+    /// Force of contacts with bodies, walls and parts.
+    Contact,
 }
 
 /// A plane.
@@ -89,6 +110,21 @@ pub struct Parameters {
     /// Most nodes of the fluid that streamlines, slices and surfaces are made from; a finer lattice
     /// is thinned.
     pub volume_nodes: u64,
+    /// Whether there is a tab "Coupling": loads on bodies, the schedule, the wall time of components,
+    /// the impulse between fluid and grains.
+    pub coupling: bool,
+    /// The tab that is seen first.
+    pub tab: Tab,
+    /// Loads on bodies that are drawn as arrows in the tab "Coupling"; none for no arrows.
+    pub loads: Vec<LoadKind>,
+    /// Force of the scale of these arrows: that of an arrow of 6 % of the domain's diagonal; follows the
+    /// run if unset.
+    pub max_load: Option<Force>,
+    /// About how many bodies have arrows of their loads; 0 for none but parts.
+    pub load_arrows: u32,
+    /// Ids of bodies whose loads are drawn over time in the tab "Coupling". A sphere that is hovered
+    /// over shows its id.
+    pub followed: Vec<u64>,
 }
 
 impl Default for Parameters {
@@ -112,6 +148,12 @@ impl Default for Parameters {
             iso_pressure: None,
             free_surface: true,
             volume_nodes: 200_000,
+            coupling: true,
+            tab: Tab::Run,
+            loads: vec![LoadKind::Fluid, LoadKind::Contact],
+            max_load: None,
+            load_arrows: 1000,
+            followed: Vec::new(),
         }
     }
 }
@@ -134,6 +176,9 @@ impl Parameters {
         }
         if self.max_strain.is_some_and(|strain| strain.is_nan() || strain <= 0.0) {
             problems.push(Problem::of_parameter("max_strain", "must be positive"));
+        }
+        if self.max_load.is_some_and(|force| force.0 <= 0.0) {
+            problems.push(Problem::of_parameter("max_load", "must be positive"));
         }
         if self.mode == Mode::Web && self.web_port != 0 && self.web_port == self.grpc_port {
             problems.push(Problem::of_parameter(
@@ -176,6 +221,12 @@ impl Parameters {
         self.free_surface && has_free_surface(scene)
     }
 
+    /// Loads that are drawn as arrows, each once.
+    pub(crate) fn load_kinds(&self) -> Vec<LoadKind> {
+        let all = [LoadKind::Fluid, LoadKind::Contact];
+        all.into_iter().filter(|kind| self.loads.contains(kind)).collect()
+    }
+
     /// Frames that the viewer needs for its drawings.
     pub(crate) fn watches(&self, scene: &Scene) -> Watches {
         let volumes = self.streamlines_in(scene) > 0
@@ -186,6 +237,8 @@ impl Parameters {
         let wish = VolumeWish { most_nodes: Some(self.volume_nodes), ..VolumeWish::default() };
         Watches {
             surfaces: true,
+            loads: self.coupling && !(self.loads.is_empty() && self.followed.is_empty()),
+            timings: self.coupling,
             profiles: !scene.profiles.is_empty(),
             slices: self.cuts && self.slices.is_empty(),
             volumes: volumes.then_some(wish),
@@ -237,6 +290,10 @@ mod tests {
         assert!(usual.slices && usual.volumes.is_some());
         assert!(of(r#"{"streamlines": 0}"#).volumes.is_none());
         assert!(!of(r#"{"cuts": false}"#).slices);
+        assert!(usual.loads && usual.timings);
+        assert!(!of(r#"{"loads": []}"#).loads && of(r#"{"loads": [], "followed": [7]}"#).loads);
+        let alone = of(r#"{"coupling": false}"#);
+        assert!(!alone.loads && !alone.timings);
         let plane = r#"{"streamlines": 0, "slices": [{"point": ["1 mm", "0 m", "0 m"], "normal": [1, 0, 1]}]}"#;
         let own = of(plane);
         assert!(!own.slices && own.volumes.is_some());

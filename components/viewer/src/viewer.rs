@@ -1,6 +1,7 @@
 //! The observer.
 
 use crate::bodies::{self, Bodies};
+use crate::coupling::Coupling;
 use crate::cut::{self, Cut};
 use crate::field::Field;
 use crate::flow::Flow;
@@ -10,6 +11,7 @@ use crate::parts::{self, Parts};
 use crate::profiles::Profiles;
 use crate::rates::Rates;
 use crate::rubber::{self, Rubber};
+use crate::running_mean::RunningMeans;
 use crate::scale::{Map, Scale};
 use crate::session::{REPEAT, Session};
 use crate::shade::Shade;
@@ -18,16 +20,16 @@ use crate::solids::Solids;
 use crate::view::{Eye, overview, up_vector};
 use crate::{blueprint, legend, signals, stage};
 use rerun::{
-    MediaType, RecordingStream, RecordingStreamError, TextDocument, TextLog, TextLogLevel,
+    MediaType, RecordingStream, RecordingStreamError, Scalars, TextDocument, TextLog, TextLogLevel,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use tremie_geometry::Vec3;
 use tremie_messages::frame::{
-    BodySample, LogHeader, ProfileBin, ProfileHeader, SliceHeader, SliceNode, SurfaceSample,
-    VolumeHeader,
+    BodySample, ComponentTiming, LoadSample, LogHeader, ProfileBin, ProfileHeader, SliceHeader,
+    SliceNode, SurfaceSample, TimingHeader, VolumeHeader,
 };
 use tremie_messages::scene::Scene;
-use tremie_messages::start::{Description, FrameContent, Signal};
+use tremie_messages::start::{Description, FrameContent, RunCoupling, Signal};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 use tremie_sdk::{AsObserver, ControlPipe, Moment, Observer, ObserverError, Setup};
 
@@ -66,6 +68,8 @@ pub struct Viewer {
     /// Simulated time of the newest frame [s].
     now: f64,
     plots: Vec<Plot>,
+    coupling: Coupling,
+    means: RunningMeans,
     rates: Rates,
     named: BTreeSet<String>,
     frames: u64,
@@ -74,6 +78,11 @@ pub struct Viewer {
 
 fn drawn<T>(result: Result<T, RecordingStreamError>) -> Result<T, ObserverError> {
     result.map_err(|error| ObserverError::Other(format!("the viewer cannot draw a frame: {error}")))
+}
+
+fn set_moment(recording: &RecordingStream, time: f64, window: u64) {
+    recording.set_duration_secs(TIME, time);
+    recording.set_time_sequence(WINDOW, i64::try_from(window).unwrap_or(i64::MAX));
 }
 
 impl Viewer {
@@ -88,9 +97,7 @@ impl Viewer {
 
     fn set_time(&mut self, at: Moment) {
         self.now = self.now.max(at.time);
-        let recording = self.recording();
-        recording.set_duration_secs(TIME, at.time);
-        recording.set_time_sequence(WINDOW, i64::try_from(at.stamp.window).unwrap_or(i64::MAX));
+        set_moment(self.recording(), at.time, at.stamp.window);
     }
 
     /// Lets the scale follow the speeds of a frame, and keeps the legend true.
@@ -146,8 +153,29 @@ impl Viewer {
             sheets: self.profiles.has_sheets(),
             plots: &self.plots,
             end: self.end,
+            coupling: &self.coupling,
         };
         drawn(blueprint::send(self.recording(), &layout(&shown), TIME))
+    }
+
+    /// Draws running means of signals that ring, where they belong in time.
+    fn log_means(
+        &mut self,
+        from: &str,
+        at: Moment,
+        names: &[Signal],
+        values: &[f64],
+    ) -> Result<(), ObserverError> {
+        let means = self.means.of_signals(from, (at.time, at.stamp.window), names, values);
+        let recording = self.session.recording();
+        for (path, mean) in means {
+            if mean.is_first {
+                drawn(signals::log_mean_style(recording, &self.plots, &path))?;
+            }
+            set_moment(recording, mean.time, mean.window);
+            drawn(recording.log(signals::mean(&path), &Scalars::new([mean.value])))?;
+        }
+        Ok(())
     }
 
     /// Draws a cut through the flow.
@@ -260,6 +288,8 @@ impl Observer for Viewer {
             end: setup.assignment.as_ref().map(|a| a.clock.window() * a.windows as f64),
             now: 0.0,
             plots: signals::plots(frames),
+            coupling: drawn(Coupling::open(recording, scene, &parameters, frames))?,
+            means: RunningMeans::default(),
             rates: Rates::default(),
             named: BTreeSet::new(),
             frames: 0,
@@ -360,10 +390,34 @@ impl Observer for Viewer {
     ) -> Result<(), ObserverError> {
         self.set_time(at);
         if self.named.insert(from.to_string()) {
-            drawn(signals::log_names(self.recording(), from, names))?;
+            drawn(signals::log_names(self.recording(), &self.plots, from, names))?;
         }
         let values = self.rates.shown(from, at.time, names, values);
-        drawn(signals::log(self.recording(), from, names, &values))
+        drawn(signals::log(self.recording(), from, names, &values))?;
+        let (stream, window) = (self.session.recording(), at.stamp.window);
+        drawn(self.coupling.log_impulse(stream, window, names, &values))?;
+        self.log_means(from, at, names, &values)
+    }
+
+    fn loads(
+        &mut self,
+        _from: &str,
+        at: Moment,
+        loads: &[LoadSample],
+    ) -> Result<(), ObserverError> {
+        self.set_time(at);
+        drawn(self.coupling.log_loads(self.session.recording(), loads))
+    }
+
+    fn timings(
+        &mut self,
+        at: Moment,
+        coupling: &RunCoupling,
+        header: &TimingHeader,
+        timings: &[ComponentTiming],
+    ) -> Result<(), ObserverError> {
+        self.set_time(at);
+        drawn(self.coupling.log_timings(self.session.recording(), coupling, header, timings))
     }
 
     fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError> {

@@ -37,6 +37,55 @@ pub struct SurfaceSample {
     pub strain: f64,
 }
 
+/// Loads on a body as an observer sees them. 88 bytes.
+///
+/// A frame carries one for each living body, in the order of the ids, as it is at a window's end.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadSample {
+    /// Id of the body.
+    pub id: u64,
+    /// Position of its reference point [m].
+    pub position: [f64; 3],
+    /// Force of the fluid under which it went through the window, buoyancy included [N]; not a
+    /// number where none is known.
+    pub fluid: [f64; 3],
+    /// Force of contacts at the window's end [N]; not a number where grains do not tell it.
+    pub contact: [f64; 3],
+    /// One of [`crate::BodyEvent`]'s shapes.
+    pub shape: u32,
+    /// Index into the scene's body sets; 0 for a part.
+    pub set: u32,
+}
+
+/// Wall time that components have taken so far: time and window of the last one that all have
+/// completed. The payload has a [`ComponentTiming`] for each component of
+/// [`crate::start::RunCoupling`].
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TimingHeader {
+    /// Time and window.
+    pub stamp: Stamp,
+    /// Wall time since the run's first window [ns].
+    pub elapsed: u64,
+}
+
+/// Wall time that a component has taken so far, summed over its windows. 40 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ComponentTiming {
+    /// Windows that it has completed.
+    pub windows: u64,
+    /// Time in its solver [ns].
+    pub compute: u64,
+    /// Time of its waits for other components or for leave to go on [ns].
+    pub wait: u64,
+    /// Time in sending and bookkeeping [ns].
+    pub exchange: u64,
+    /// Work that it has done, in the unit of its description.
+    pub work: u64,
+}
+
 /// A plane cut through a field, sampled on a regular grid.
 ///
 /// Node `(i, j)` of the payload, at index `i + count[0] * j`, lies at `origin + i * step[0] + j *
@@ -243,6 +292,18 @@ unsafe impl Message for BodySample {
 // SAFETY: SurfaceVertex (48 bytes, align 8) and a word of 8 bytes, no padding.
 unsafe impl Message for SurfaceSample {
     const TYPE_NAME: &'static str = "tremie.SurfaceSample.1";
+}
+// SAFETY: ten words of 8 bytes and two of 4, no padding.
+unsafe impl Message for LoadSample {
+    const TYPE_NAME: &'static str = "tremie.LoadSample.1";
+}
+// SAFETY: 40 bytes and a word, no padding.
+unsafe impl Message for TimingHeader {
+    const TYPE_NAME: &'static str = "tremie.TimingHeader.1";
+}
+// SAFETY: five words, no padding.
+unsafe impl Message for ComponentTiming {
+    const TYPE_NAME: &'static str = "tremie.ComponentTiming.1";
 }
 // SAFETY: 40 bytes, then eleven words, no padding.
 unsafe impl Message for SliceHeader {

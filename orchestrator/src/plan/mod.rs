@@ -26,7 +26,8 @@ use steps::{Steps, Wish};
 use tremie_messages::scene::{DeformableSurface, Scene};
 use tremie_messages::schedule::{Content, Edge, Schedule, Script};
 use tremie_messages::start::{
-    Assignment, Clock, Description, FrameContent, FrameStream, Injection, Resume, Transport,
+    Assignment, Clock, CoupledComponent, CoupledExchange, Description, FrameContent, FrameStream,
+    Injection, Resume, RunCoupling, Transport,
 };
 use tremie_messages::{FacetLoad, Place, PortState, Problem, Role, WatchedSignal};
 
@@ -156,7 +157,7 @@ impl Plan {
     /// Indices of the components that must not lose a frame.
     pub fn lossless_observers(&self) -> Vec<usize> {
         let must = |c: &PlannedComponent| {
-            let frames = self.frames.iter().filter(|stream| stream.content != FrameContent::Log);
+            let frames = self.frames.iter().filter(|stream| !stream.content.is_of_orchestrator());
             frames.filter(|stream| stream.lossless).any(|stream| stream.to == c.name)
         };
         (0..self.components.len()).filter(|index| must(&self.components[*index])).collect()
@@ -249,7 +250,8 @@ fn assemble(
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
     let room = streams::Room { bodies: body_capacity, vertices };
-    let frames = streams::streams(described, room, &edges, |observer, content| {
+    let coupling = coupling(spec, wiring, &substeps);
+    let frames = streams::streams(described, room, (&edges, &coupling), |observer, content| {
         frame_windows(spec, (observer, content), window, steps.windows)
     });
     let (notes, more_warnings) = notes(spec, described, &frames, &steps);
@@ -305,6 +307,27 @@ fn assemble(
 fn own_warnings((spec, description): &Described<'_>) -> Vec<String> {
     let warnings = description.warnings.iter();
     warnings.map(|warning| format!("{}: {warning}", spec.name)).collect()
+}
+
+/// The physics and its exchanges, as observers are told.
+fn coupling(spec: &Spec, wiring: &Wiring, substeps: &[u32]) -> RunCoupling {
+    let is_physics = |index: &usize| spec.components[*index].role != Role::Observer;
+    let physics: Vec<usize> = (0..spec.components.len()).filter(is_physics).collect();
+    let place = |member: usize| physics.iter().position(|index| *index == member);
+    let component = |index: &usize| CoupledComponent {
+        name: spec.components[*index].name.clone(),
+        role: spec.components[*index].role,
+        substeps: substeps[*index],
+    };
+    let exchange = |(index, link): (usize, &schedule::Link)| {
+        let (from, to) = (place(link.from)?, place(link.to)?);
+        Some(CoupledExchange { from, to, content: link.content, delay: wiring.delay_of(index) })
+    };
+    RunCoupling {
+        schedule: spec.run.schedule,
+        components: physics.iter().map(component).collect(),
+        exchanges: wiring.links.iter().enumerate().filter_map(exchange).collect(),
+    }
 }
 
 /// Windows between frames of a content to an observer.

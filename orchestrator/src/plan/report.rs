@@ -141,6 +141,8 @@ fn frame_row(stream: &FrameStream) -> Vec<String> {
     let content = match &stream.content {
         FrameContent::Bodies => "bodies".to_string(),
         FrameContent::Surfaces => "surfaces".to_string(),
+        FrameContent::Loads => "loads".to_string(),
+        FrameContent::Timings(_) => "timings".to_string(),
         FrameContent::Slice(name) => format!("slice {name}"),
         FrameContent::Volume(grid) => format!("volume {}", grid.name),
         FrameContent::Profile(name) => format!("profile {name}"),
@@ -183,6 +185,10 @@ fn frame_memory(stream: &FrameStream) -> u64 {
     let (header, value) = match stream.content {
         FrameContent::Bodies => (size_of::<Stamp>(), size_of::<frame::BodySample>()),
         FrameContent::Surfaces => (size_of::<Stamp>(), size_of::<frame::SurfaceSample>()),
+        FrameContent::Loads => (size_of::<Stamp>(), size_of::<frame::LoadSample>()),
+        FrameContent::Timings(_) => {
+            (size_of::<frame::TimingHeader>(), size_of::<frame::ComponentTiming>())
+        }
         FrameContent::Slice(_) => (size_of::<frame::SliceHeader>(), size_of::<frame::SliceNode>()),
         FrameContent::Volume(_) => {
             (size_of::<frame::VolumeHeader>(), size_of::<frame::SliceNode>())

@@ -6,7 +6,8 @@ use tremie_messages::Role;
 use tremie_messages::frame::{MessageHead, SliceNode};
 use tremie_messages::schedule::{Content, Edge};
 use tremie_messages::start::{
-    Description, FrameContent, FrameStream, SentChannel, VolumeGrid, VolumeWish, Watches,
+    Description, FrameContent, FrameStream, RunCoupling, SentChannel, VolumeGrid, VolumeWish,
+    Watches,
 };
 
 /// Frames under way to an observer that must have each: room for a disk that is slow for a moment.
@@ -32,12 +33,12 @@ pub(super) struct Room {
     pub vertices: u64,
 }
 
-/// All streams that observers want; physics in the order of `components`, then the log. `every`:
-/// windows between frames of a content to an observer.
+/// All streams that observers want; physics in the order of `components`, then those of the
+/// orchestrator. `every`: windows between frames of a content to an observer.
 pub(super) fn streams(
     components: &[Described<'_>],
     room: Room,
-    edges: &[Edge],
+    (edges, coupling): (&[Edge], &RunCoupling),
     every: impl Fn(&ComponentSpec, &FrameContent) -> u64,
 ) -> Vec<FrameStream> {
     let is_observer = |c: &&Described<'_>| c.0.role == Role::Observer;
@@ -54,6 +55,11 @@ pub(super) fn streams(
                 streams.push(stream(&spec.name, observer, &name, content, every, capacity));
             }
         }
+    }
+    for (observer, _) in observers.iter().filter(|(_, wishes)| wishes.watches.timings) {
+        let content = FrameContent::Timings(coupling.clone());
+        let (every, room) = (every(observer, &content), coupling.components.len().max(1) as u64);
+        streams.push(stream(ORCHESTRATOR, observer, "timings", content, every, room));
     }
     for (observer, _) in observers.iter().filter(|(_, wishes)| wishes.watches.log) {
         streams.push(stream(ORCHESTRATOR, observer, "log", FrameContent::Log, 1, LOG_LINE));
@@ -115,6 +121,9 @@ fn contents(
     if role == Role::Grains && watches.bodies {
         // At least one: shared memory is never of size zero.
         contents.push(("bodies".to_string(), FrameContent::Bodies, room.bodies.max(1)));
+    }
+    if role == Role::Grains && watches.loads && description.tells_loads {
+        contents.push(("loads".to_string(), FrameContent::Loads, room.bodies.max(1)));
     }
     if role == Role::Rubber && watches.surfaces {
         let content = FrameContent::Surfaces;

@@ -312,6 +312,41 @@ fn observers_get_what_they_want_when_they_want_it() {
 }
 
 #[test]
+fn observers_that_ask_get_loads_and_wall_time_with_the_schedule() {
+    for (schedule, delay) in [("serial", 0), ("parallel", 1)] {
+        let mut descriptions = descriptions();
+        descriptions[1].1.tells_loads = true;
+        descriptions[3].1.watches = Watches {
+            bodies: false,
+            slices: false,
+            signals: false,
+            log: false,
+            loads: true,
+            timings: true,
+            ..Watches::default()
+        };
+        let spec = spec(&[("run.schedule", schedule)]);
+        let plan = make(&spec, &descriptions, &Options::default()).unwrap();
+        let streams: Vec<_> = plan.frames.iter().filter(|s| s.to == "viewer").collect();
+        let services: Vec<_> = streams.iter().map(|s| (s.service.as_str(), s.capacity)).collect();
+        let expected =
+            [("grains/frames/loads/viewer", 40), ("orchestrator/frames/timings/viewer", 2)];
+        assert_eq!(services, expected);
+        let FrameContent::Timings(coupling) = &streams[1].content else { panic!() };
+        let names: Vec<_> =
+            coupling.components.iter().map(|c| (c.name.as_str(), c.substeps)).collect();
+        assert_eq!(names, [("fluid", 1), ("grains", 3)]);
+        let of = |content| coupling.exchanges.iter().find(|e| e.content == content).unwrap();
+        assert_eq!((of(Content::State).delay, of(Content::Load).delay), (delay, 1));
+        // Of an observer that must have each frame they keep nobody waiting.
+        assert_eq!(plan.lossless_observers().len(), 1);
+        descriptions[1].1.tells_loads = false;
+        let plan = make(&spec, &descriptions, &Options::default()).unwrap();
+        assert!(plan.frames.iter().all(|s| s.content != FrameContent::Loads));
+    }
+}
+
+#[test]
 fn a_region_without_nodes_is_a_warning() {
     let mut descriptions = descriptions();
     let count = [10; 3];

@@ -6,7 +6,7 @@ use crate::plan::{Plan, bytes, copied_bytes};
 use tremie_channels::memory::SHARED_MEMORY;
 use tremie_messages::Finding;
 use tremie_messages::Role;
-use tremie_messages::frame::{BodySample, ProfileBin, SliceNode, SurfaceSample};
+use tremie_messages::frame::{BodySample, LoadSample, ProfileBin, SliceNode, SurfaceSample};
 use tremie_messages::scene::{BodySizes, Scene};
 use tremie_messages::start::{Description, FrameContent, FrameStream};
 
@@ -132,11 +132,12 @@ fn frames_bytes(plan: &Plan, stream: &FrameStream) -> u64 {
     let value = match &stream.content {
         FrameContent::Bodies => size_of::<BodySample>(),
         FrameContent::Surfaces => size_of::<SurfaceSample>(),
+        FrameContent::Loads => size_of::<LoadSample>(),
         FrameContent::Slice(_) | FrameContent::Volume(_) => size_of::<SliceNode>(),
         // Text and binary.
         FrameContent::Profile(_) => 3 * size_of::<ProfileBin>(),
         FrameContent::Signals(_) => size_of::<f64>(),
-        FrameContent::Log => 0,
+        FrameContent::Timings(_) | FrameContent::Log => 0,
         // Of each window, and of the start exchange; how many fit a frame does not matter.
         FrameContent::Hashes(channels) => {
             let row = (1 + channels.len() as u64) * size_of::<u64>() as u64;

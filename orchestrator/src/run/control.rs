@@ -1,5 +1,5 @@
-//! The orchestrator's end of shared memory: credit to components, reports from them, log lines to
-//! observers.
+//! The orchestrator's end of shared memory: credit to components, reports from them, log lines and
+//! timings to observers.
 
 use crate::manifest::ORCHESTRATOR;
 use crate::run::launch::Peer;
@@ -7,7 +7,7 @@ use std::cell::Cell;
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Receiver, Ringer, Sender};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
-use tremie_messages::frame::LogHeader;
+use tremie_messages::frame::{ComponentTiming, LogHeader, TimingHeader};
 use tremie_messages::start::{Assignment, FrameContent, FrameStream};
 use tremie_sdk::{credit_spec, frame_spec, report_spec};
 
@@ -26,11 +26,22 @@ struct LogEnd<S: ChannelMedium> {
     capacity: usize,
 }
 
+/// Timings to one observer.
+struct TimingEnd<S: ChannelMedium> {
+    sender: Sender<S, TimingHeader, ComponentTiming>,
+    ringer: Ringer<S>,
+    /// Windows between frames.
+    every: u64,
+    /// Window from which on the next one is due.
+    due: Cell<u64>,
+}
+
 /// The orchestrator's ends of the channels to all components, in the order of the peers.
 pub struct Control<S: ChannelMedium> {
     run: u64,
     ends: Vec<End<S>>,
     logs: Vec<LogEnd<S>>,
+    timings: Vec<TimingEnd<S>>,
     attachment: Attachment<S>,
     checkpoint: Cell<u64>,
     kept: Cell<u64>,
@@ -54,7 +65,7 @@ impl<S: ChannelMedium> Control<S> {
         let attachment =
             Attachment::open(&transport.root, &transport.prefix, ORCHESTRATOR, patience)?;
         let mut ends = Vec::new();
-        let mut logs = Vec::new();
+        let (mut logs, mut timings) = (Vec::new(), Vec::new());
         for ((peer, assignment), signals) in peers.iter().zip(assignments).zip(signals) {
             let report = report_spec(&assignment.transport, *signals);
             ends.push(End {
@@ -63,15 +74,21 @@ impl<S: ChannelMedium> Control<S> {
                 report: attachment.receiver(report)?,
                 ringer: Ringer::of(&attachment, &peer.name)?,
             });
-            let log = |s: &&FrameStream| s.to == peer.name && s.content == FrameContent::Log;
-            for stream in assignment.frames.iter().filter(log) {
-                let sender = attachment.sender(frame_spec(stream))?;
+            let own = |s: &&FrameStream| s.to == peer.name && s.content.is_of_orchestrator();
+            for stream in assignment.frames.iter().filter(own) {
+                let spec = frame_spec(stream);
                 let ringer = Ringer::of(&attachment, &peer.name)?;
-                logs.push(LogEnd { sender, ringer, capacity: stream.capacity as usize });
+                if stream.content == FrameContent::Log {
+                    let (sender, capacity) = (attachment.sender(spec)?, stream.capacity as usize);
+                    logs.push(LogEnd { sender, ringer, capacity });
+                } else {
+                    let (sender, every) = (attachment.sender(spec)?, stream.every.max(1));
+                    timings.push(TimingEnd { sender, ringer, every, due: Cell::new(0) });
+                }
             }
         }
         let (checkpoint, kept) = Default::default();
-        Ok(Self { run, ends, logs, attachment, checkpoint, kept })
+        Ok(Self { run, ends, logs, timings, attachment, checkpoint, kept })
     }
 
     /// Names the window of the next checkpoint, in all words from now on.
@@ -122,6 +139,23 @@ impl<S: ChannelMedium> Control<S> {
             let bytes = &text.as_bytes()[..text.floor_char_boundary(*capacity)];
             if sender.send_copy(header, bytes).is_ok() {
                 let _ = ringer.ring();
+            }
+        }
+    }
+
+    /// True if an observer is to see timings of a window.
+    pub fn shows_timings(&self, window: u64) -> bool {
+        self.timings.iter().any(|end| window >= end.due.get())
+    }
+
+    /// Sends timings to observers. One without room loses the oldest, or these: the next ones are sums
+    /// over the whole run again.
+    pub fn show_timings(&self, header: TimingHeader, timings: &[ComponentTiming]) {
+        let window = header.stamp.window;
+        for end in &self.timings {
+            end.due.set((window / end.every + 1) * end.every);
+            if end.sender.send_copy(header, timings).is_ok() {
+                let _ = end.ringer.ring();
             }
         }
     }

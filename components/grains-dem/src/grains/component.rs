@@ -212,6 +212,10 @@ impl Grains for SoftSpheres {
         }
     }
 
+    fn contact_forces(&self, forces: &mut [[f64; 3]]) -> bool {
+        self.grains.write_contact_forces(forces)
+    }
+
     fn has_profile(&self, name: &str, is_last: bool) -> bool {
         self.grains.has_profile(name, is_last)
     }

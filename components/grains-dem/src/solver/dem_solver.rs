@@ -21,6 +21,7 @@ use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::Clumps;
 use crate::solver::diagnostics::Diagnostics;
 use crate::solver::diagnostics::{Seen, Survey};
+use crate::solver::force_sum::ForceSum;
 use crate::solver::integrate::{self, AppliedForces, StepDisplacement};
 use crate::solver::interaction_context::InteractionContext;
 use crate::solver::neighbour_search::Search;
@@ -322,6 +323,29 @@ impl GrainsDem {
                 angular_velocity: twist.w.into(),
             };
         }
+    }
+
+    /// Writes the force of contacts on each body, in the order of the state, at the end of the last
+    /// substep [N]: of a part the force of the grains on the whole of it. `false` where bodies have come
+    /// or gone since, so that they are not known.
+    pub fn write_contact_forces(&self, out: &mut [[f64; 3]]) -> bool {
+        if !self.search.evaluated {
+            return false;
+        }
+        let Population { bodies, roll, .. } = &self.population;
+        let contacts = self.search.contacts();
+        for (rank, &slot) in bodies.slot.iter().enumerate() {
+            let slot = slot as usize;
+            if let Some(force) = out.get_mut(roll.place(rank)) {
+                *force = ForceSum::alone(contacts, slot, bodies.balls[slot].radius).force.into();
+            }
+        }
+        let moving = self.around.parts.iter().zip(self.part_loads());
+        let moving = moving.filter(|(part, _)| part.moves());
+        for (place, (_, (force, _))) in roll.places_of_parts().zip(moving) {
+            out[place] = force;
+        }
+        true
     }
 
     /// Advances by `substeps` steps under constant `loads`, one for each body in the order of the

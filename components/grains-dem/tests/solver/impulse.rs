@@ -45,6 +45,27 @@ fn weight_is_applied_in_full_beside_the_loads() {
     assert!((v / (-0.6 * 9.81 * 1e-3) - 1.0).abs() < 1e-12, "{v}");
 }
 
+/// A stack of two at rest: contacts carry the weight of each that the fluid does not.
+#[test]
+fn contact_forces_are_what_keeps_bodies_at_rest() {
+    let d = 1e-3;
+    let mut scene = scene([10e-3; 3], WALLS, law(1e4, 0.5, Damping::Restitution(0.1)));
+    scene.gravity = [0.0, 0.0, -9.81];
+    let place = |z| sphere([5e-3, 5e-3, z], d, [0.0; 3]);
+    scene.bodies = vec![set(Motion::Free, vec![place(0.5 * d), place(1.5 * d)])];
+    let mut dem = make(&scene, 1e-6);
+    let loads = [0, 1].map(|id| {
+        let force = [0.0, 0.0, 0.4 * mass(d) * 9.81];
+        Load { id, force, torque: [0.0; 3] }
+    });
+    dem.advance(40_000, &loads).unwrap();
+    let mut forces = [[f64::NAN; 3]; 2];
+    assert!(dem.write_contact_forces(&mut forces));
+    for force in forces {
+        assert!((force[2] / (0.6 * mass(d) * 9.81) - 1.0).abs() < 1e-6, "{forces:?}");
+    }
+}
+
 #[test]
 fn loads_that_do_not_fit_are_refused() {
     let mut scene = scene([10e-3; 3], WALLS, law(1e4, 0.5, Damping::Restitution(0.8)));

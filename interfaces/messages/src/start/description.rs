@@ -37,6 +37,9 @@ pub struct Description {
     /// does.
     #[serde(default)]
     pub tells_messages: bool,
+    /// Grains can send the loads on their bodies to observers that want them; the sdk does.
+    #[serde(default)]
+    pub tells_loads: bool,
     /// Frames that an observer wants to see.
     #[serde(default)]
     pub watches: Watches,
@@ -139,8 +142,8 @@ pub struct ProfileSpec {
 /// Frames that an observer wants to see. Streams that nobody wants are not set up, and cost
 /// nothing.
 ///
-/// Left out of a description, it is everything but deformable surfaces, profiles, hashes, messages and
-/// whole fields.
+/// Left out of a description, it is everything but deformable surfaces, loads, profiles, timings, hashes,
+/// messages and whole fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Watches {
@@ -148,10 +151,14 @@ pub struct Watches {
     pub bodies: bool,
     /// Deformable surfaces.
     pub surfaces: bool,
+    /// Loads on bodies.
+    pub loads: bool,
     /// Cuts.
     pub slices: bool,
     /// Tables of profiles of grains.
     pub profiles: bool,
+    /// Wall time that components take, and the schedule.
+    pub timings: bool,
     /// Signals.
     pub signals: bool,
     /// Lines of the log.
@@ -169,8 +176,10 @@ impl Default for Watches {
         Self {
             bodies: true,
             surfaces: false,
+            loads: false,
             slices: true,
             profiles: false,
+            timings: false,
             signals: true,
             log: true,
             hashes: false,

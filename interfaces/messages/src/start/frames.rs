@@ -1,7 +1,8 @@
 //! Streams of frames, and the part of a lattice that one carries.
 
 use super::{Signal, VolumeSpec, VolumeWish};
-use crate::schedule::{Content, Edge};
+use crate::Role;
+use crate::schedule::{Content, Edge, Schedule};
 use serde::{Deserialize, Serialize};
 
 /// Content of a frame.
@@ -12,6 +13,8 @@ pub enum FrameContent {
     Bodies,
     /// [`crate::frame::SurfaceSample`]s of all vertices of the scene's deformable surfaces.
     Surfaces,
+    /// [`crate::frame::LoadSample`]s of all bodies.
+    Loads,
     /// A cut of that name: [`crate::frame::SliceNode`]s.
     Slice(String),
     /// Nodes of a lattice: [`crate::frame::SliceNode`]s.
@@ -34,8 +37,55 @@ pub enum FrameContent {
     /// [`crate::frame::MessageHead`] and its values, one after the other in the order of sending, as
     /// bytes. The messages of a window may take several frames.
     Messages(Vec<SentChannel>),
+    /// Wall time that components have taken: [`crate::frame::ComponentTiming`]s in the order given
+    /// here, with the schedule (sent by the orchestrator, whatever [`FrameStream::lossless`] says only
+    /// as far as there is room, and not at the same windows in each run).
+    Timings(RunCoupling),
     /// Lines of the log (sent by the orchestrator).
     Log,
+}
+
+/// The components of a run's physics, and what passes between them.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunCoupling {
+    /// Order in which fluid and grains advance.
+    pub schedule: Schedule,
+    /// The components, in the order of the plan.
+    pub components: Vec<CoupledComponent>,
+    /// What passes between them.
+    pub exchanges: Vec<CoupledExchange>,
+}
+
+/// A component of a run's physics.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CoupledComponent {
+    /// Its name.
+    pub name: String,
+    /// Its role.
+    pub role: Role,
+    /// Substeps that it makes in a window.
+    pub substeps: u32,
+}
+
+/// What a component sends another in each window.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CoupledExchange {
+    /// Index of the sending component.
+    pub from: usize,
+    /// Index of the receiving component.
+    pub to: usize,
+    /// Content of the messages.
+    pub content: Content,
+    /// Windows between the advance that a message is of and the advance that uses it first; 0 where
+    /// the receiver uses it in the same window.
+    pub delay: u64,
+}
+
+impl FrameContent {
+    /// True if the orchestrator sends it.
+    pub fn is_of_orchestrator(&self) -> bool {
+        matches!(self, Self::Timings(_) | Self::Log)
+    }
 }
 
 /// A channel from a component, as observers know it.

@@ -29,7 +29,10 @@ pub use description::{
     Description, ProfileSpec, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches,
 };
 pub use fault::{Fault, FaultKind, Injection, InjectionKind};
-pub use frames::{FrameContent, FrameStream, SentChannel, VolumeGrid};
+pub use frames::{
+    CoupledComponent, CoupledExchange, FrameContent, FrameStream, RunCoupling, SentChannel,
+    VolumeGrid,
+};
 pub use signal_row::SignalRow;
 
 use crate::schedule::{Edge, Script};

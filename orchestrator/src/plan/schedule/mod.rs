@@ -192,6 +192,18 @@ impl Wiring {
         receiver.script.window.iter().find_map(of_link).unwrap_or(0)
     }
 
+    /// Windows between the advance that an edge's message is of and the first advance of the receiver
+    /// that uses it: a receiver that takes it only after its own advance uses it a window later.
+    pub fn delay_of(&self, link: usize) -> u64 {
+        let receiver = &self.members[self.links[link].to];
+        let is_receipt =
+            |op: &Op| matches!(*op, Op::Receive { edge, .. } if receiver.links[edge] == link);
+        let ops = &receiver.script.window;
+        let advance = ops.iter().position(|op| *op == Op::Advance);
+        let is_late = ops.iter().position(is_receipt).is_some_and(|at| Some(at) > advance);
+        self.lag_of(link) + u64::from(is_late)
+    }
+
     /// Adds an edge; returns its places in the lists of sender and receiver.
     fn link(&mut self, link: Link) -> [usize; 2] {
         let ends = [link.from, link.to];

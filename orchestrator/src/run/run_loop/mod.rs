@@ -144,6 +144,8 @@ struct LoopState {
     pace: Pace,
     /// The user has seen the shares of a window's time.
     shown_timing: bool,
+    /// Time of the last timings to observers.
+    sent_timings: Option<Instant>,
 }
 
 impl LoopState {
@@ -167,6 +169,7 @@ impl LoopState {
             notes: BTreeMap::new(),
             pace: Pace::new(now),
             shown_timing: false,
+            sent_timings: None,
         }
     }
 }
@@ -194,6 +197,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         self.settle_checkpoint(&mut state);
         // Rows that were complete when the end came belong to the record.
         let _ = self.take_reports();
+        self.send_timings(&mut state, Instant::now());
         let rows = self.take_last_rows().and_then(|()| self.table.close());
         let traced = self.trace.take().map_or(Ok(()), Trace::close);
         let window = self.monitor.common_window().unwrap_or(0);

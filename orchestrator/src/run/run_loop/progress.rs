@@ -2,19 +2,22 @@
 
 use super::{LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
-use crate::outputs::ScheduleTiming;
-use crate::outputs::{LogLevel, OutputError};
+use crate::outputs::{ComponentTotals, LogLevel, OutputError, ScheduleTiming};
 use crate::run::handshake::cores;
 use crate::run::launch::Peer;
 use crate::terminal::Progress;
 use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
-use tremie_messages::Role;
+use tremie_messages::frame::{ComponentTiming, TimingHeader};
 use tremie_messages::start::Description;
+use tremie_messages::{Role, Stamp};
 
 /// Wall time, and number of windows, after which the user sees the shares of a window's time.
 const MEASURED: Duration = Duration::from_secs(5);
 const FEW_WINDOWS: u64 = 100;
+
+/// Least wall time between timings to observers: those of shorter spans are mostly noise.
+const TIMINGS_APART: Duration = Duration::from_millis(50);
 
 /// Signal of grains with the number of bodies, where bodies come and go.
 const BODIES: &str = "bodies";
@@ -63,6 +66,32 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         // Into the file only: measured times differ from run to run, and recordings of equal runs
         // must be equal.
         self.write_line(LogLevel::Info, ORCHESTRATOR, window, &turns.to_string())
+    }
+
+    /// Tells observers that ask for it what wall time the components have taken, if that is due; the last
+    /// time is, whenever it comes.
+    pub(super) fn send_timings(&mut self, state: &mut LoopState, now: Instant) {
+        let (Some(window), Some(begun)) = (self.monitor.common_window(), state.begun) else {
+            return;
+        };
+        let is_soon = |last: Instant| now.duration_since(last) < TIMINGS_APART;
+        let is_due = !state.sent_timings.is_some_and(is_soon) && self.control.shows_timings(window);
+        if !is_due && !state.is_over {
+            return;
+        }
+        state.sent_timings = Some(now);
+        let ticks = window * self.clock.ticks_per_window;
+        let elapsed = (self.wall_before + now.duration_since(begun)).as_nanos() as u64;
+        let header = TimingHeader { stamp: Stamp { window, ticks, ..Stamp::default() }, elapsed };
+        let timing = |(watched, totals): (usize, &ComponentTotals)| ComponentTiming {
+            windows: self.monitor.window_of(watched).unwrap_or(0),
+            compute: totals.compute,
+            wait: totals.wait,
+            exchange: totals.exchange,
+            work: totals.work,
+        };
+        let timings: Vec<_> = self.monitor.totals().iter().enumerate().map(timing).collect();
+        self.control.show_timings(header, &timings);
     }
 
     /// Shows windows done, their rate, and shares of wall time.

@@ -44,6 +44,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             self.take_commands(state)?;
             self.grant(state, now)?;
             self.show_timing(state, now)?;
+            self.send_timings(state, now);
             self.show_progress(state, now);
         }
     }
