@@ -60,6 +60,69 @@ pub fn key_help(name: &str) -> Result<Vec<KeyHelp>, String> {
     })
 }
 
+/// A key as far as a command line may go on with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyBeginning {
+    /// Its path, and what comes after it: `=` before a value, `.` before a key of a table, `[0].` before one of
+    /// a list's first table.
+    pub text: String,
+    /// What its value is.
+    pub kind: String,
+}
+
+/// Keys that begin with a text: those of the table that it names up to its last dot. Where a table is the
+/// only one, its keys.
+pub fn keys_beginning(text: &str) -> Vec<KeyBeginning> {
+    let all = sections(&resolve::schema());
+    let mut text = text.to_string();
+    loop {
+        let found = beginnings(&all, &text);
+        match &found[..] {
+            [only] if only.text.ends_with('.') && only.text != text => text.clone_from(&only.text),
+            _ => return found,
+        }
+    }
+}
+
+fn beginnings(all: &[Section], text: &str) -> Vec<KeyBeginning> {
+    let (parent, begin) = text.rsplit_once('.').map_or(("", text), |(parent, end)| (parent, end));
+    let of_table = |path: &str| all.iter().find(|section| section.path == path);
+    let mut tables = vec![String::new()];
+    for step in parent.split('.').map(bare).filter(|step| !step.is_empty()) {
+        let keys = tables.iter().filter_map(|path| of_table(path)).flat_map(|table| &table.keys);
+        match keys.filter(|key| key.name == step).map(|key| key.tables.clone()).next() {
+            Some(within) => tables = within,
+            None => return Vec::new(),
+        }
+    }
+    let dot = if parent.is_empty() { "" } else { "." };
+    let keys = tables.iter().filter_map(|path| of_table(path)).flat_map(|table| &table.keys);
+    let mut found: Vec<KeyBeginning> = Vec::new();
+    for key in keys.filter(|key| key.name.starts_with(begin)) {
+        for end in ends(key) {
+            let text = format!("{parent}{dot}{}{end}", key.name);
+            if !found.iter().any(|other| other.text == text) {
+                found.push(KeyBeginning { text, kind: plain(&key.kind) });
+            }
+        }
+    }
+    found
+}
+
+/// What may come after a key: a value, and a key of a table in it.
+fn ends(key: &Key) -> Vec<&'static str> {
+    let is_list = key.tables.iter().any(|table| table.ends_with("[]"));
+    let within = match (key.tables.is_empty(), is_list) {
+        (true, _) => None,
+        (false, true) => Some("[0]."),
+        (false, false) => Some("."),
+    };
+    let is_table = ["table", "list of table"].iter().any(|word| key.kind.starts_with(word));
+    let is_only_table = within.is_some() && is_table && !key.kind.contains(", or ");
+    let value = (!is_only_table).then_some("=");
+    value.into_iter().chain(within).collect()
+}
+
 /// The key at the end of a way through the tables, which several keys may share.
 fn at(all: &[Section], steps: &[&str]) -> Option<KeyHelp> {
     let (mut tables, mut path) = (vec![String::new()], String::new());
@@ -161,6 +224,29 @@ mod tests {
         let wrong = key_help("scene.fluid.viscosty").unwrap_err();
         assert!(wrong.contains("did you mean \"viscosity\"?"), "{wrong}");
         assert!(one("").keys.iter().any(|key| key[0] == "scene"));
+    }
+
+    #[test]
+    fn a_key_is_completed_step_by_step() {
+        let texts = |text: &str| -> Vec<String> {
+            keys_beginning(text).into_iter().map(|key| key.text).collect()
+        };
+        let first = texts("");
+        assert!(
+            first.contains(&"run.".to_string()) && first.contains(&"scene.".to_string()),
+            "{first:?}"
+        );
+        assert_eq!(texts("scene.fluid.visc"), ["scene.fluid.viscosity="]);
+        assert_eq!(texts("run.unti"), ["run.until="]);
+        // A table that is the only one: its keys.
+        let fluid = texts("scene.flu");
+        assert!(fluid.contains(&"scene.fluid.density=".to_string()), "{fluid:?}");
+        assert!(texts("settings.fluid-lbm.ce").contains(&"settings.fluid-lbm.cell=".to_string()));
+        let part = texts("scene.parts[2].mot");
+        assert!(part.contains(&"scene.parts[2].motion=".to_string()), "{part:?}");
+        assert!(texts("scene.par").contains(&"scene.parts[0].name=".to_string()));
+        assert_eq!(texts("scene.fluids.density"), Vec::<String>::new());
+        assert_eq!(texts("nothing"), Vec::<String>::new());
     }
 
     #[test]

@@ -24,7 +24,7 @@ mod tests;
 mod tree;
 
 pub use differences::differences;
-pub use key_help::{KeyHelp, key_help};
+pub use key_help::{KeyBeginning, KeyHelp, key_help, keys_beginning};
 pub use path::is_within;
 pub use source::Source;
 pub use spec::{

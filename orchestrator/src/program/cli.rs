@@ -1,9 +1,13 @@
 //! The command line of `tremie`.
 
+use super::completion::{CompletionShell, complete_key, complete_setting};
 use super::steer_args::SteerCommand;
 use crate::registry::{OnArguments, OnRuns, PackageCommand, READERS, SCENES, TOOLS};
 use crate::tools::conform::ConformArgs;
+use crate::tools::new_scene::NewArgs;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::ArgValueCompleter;
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -24,6 +28,8 @@ pub struct Cli {
 /// Commands of the program itself.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Make a folder with a scene that runs as it is, to begin with.
+    New(NewArgs),
     /// Run a manifest.
     Run(RunArgs),
     /// Go on with a run that was ended or interrupted, from its newest checkpoint.
@@ -64,8 +70,13 @@ pub enum Command {
     /// Explain a key of the manifest: its value, unit, default and meaning.
     Explain {
         /// The key, as scene.fluid.viscosity, or its last name alone [default: the first keys of all]
-        #[arg(value_name = "KEY", default_value = "", hide_default_value = true)]
+        #[arg(value_name = "KEY", default_value = "", hide_default_value = true, add = ArgValueCompleter::new(complete_key))]
         key: String,
+    },
+    /// Print a script that lets a shell complete commands, files and keys of manifests: source <(tremie completions bash).
+    Completions {
+        /// The shell
+        shell: CompletionShell,
     },
     /// Take part in a run (the orchestrator calls this).
     #[command(hide = true)]
@@ -86,7 +97,7 @@ pub enum Asked {
 }
 
 /// The whole command line, with the commands of packages.
-fn whole() -> clap::Command {
+pub(super) fn whole() -> clap::Command {
     let scene = clap::Command::new("scene")
         .about("Build a scene from numbers: its parts as STL files, and a manifest to start from")
         .subcommand_required(true)
@@ -111,12 +122,12 @@ fn added<W>(package: &PackageCommand<W>, command: clap::Command) -> clap::Comman
     command.subcommand_required(divided).arg_required_else_help(divided)
 }
 
-/// Reads the command line of this process.
+/// Reads a command line; its first word is the program's name.
 ///
 /// # Errors
 /// clap's error, or the help that the command line asks for.
-pub fn read() -> Result<Asked, clap::Error> {
-    of_matches(whole().try_get_matches()?)
+pub fn read(words: impl IntoIterator<Item = OsString>) -> Result<Asked, clap::Error> {
+    of_matches(whole().try_get_matches_from(words)?)
 }
 
 fn of_matches(mut matches: ArgMatches) -> Result<Asked, clap::Error> {
@@ -155,7 +166,7 @@ pub struct ManifestArgs {
     #[arg(long, value_name = "serial|parallel", value_parser = parse_schedule)]
     pub schedule: Option<Schedule>,
     /// Change a value of the manifest, as scene.fluid.viscosity="0.1 Pa s"
-    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value, add = ArgValueCompleter::new(complete_setting))]
     pub set: Vec<(String, String)>,
     /// Say nothing but errors and the last line
     #[arg(long, conflicts_with = "json")]
@@ -227,7 +238,7 @@ pub struct ResumeArgs {
     #[arg(long, value_name = "TIME")]
     pub until: Option<String>,
     /// Change a value that may change from here on, as outputs.frames="1 ms"
-    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value, add = ArgValueCompleter::new(complete_setting))]
     pub set: Vec<(String, String)>,
     /// Watch the run in the Rerun viewer: in a browser, in its own window, in a file for later
     #[arg(long, value_name = "web|native|FILE.rrd|none", default_value = "none", value_parser = parse_view)]
@@ -284,7 +295,7 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "WINDOW")]
     pub at: Option<u64>,
     /// Change a value of the manifest, to see where its effect begins
-    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value, add = ArgValueCompleter::new(complete_setting))]
     pub set: Vec<(String, String)>,
     /// Folder in which programs are looked for first [default: that of the run's checkpoints]
     #[arg(long, value_name = "FOLDER")]

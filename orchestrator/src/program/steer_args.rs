@@ -1,6 +1,8 @@
 //! Arguments of the commands to a run in progress.
 
+use super::completion::complete_setting;
 use clap::{Args, Subcommand};
+use clap_complete::ArgValueCompleter;
 use tremie_results::key_value;
 
 /// Commands to a run in progress.
@@ -31,7 +33,7 @@ pub enum SteerCommand {
     /// same.
     Set {
         /// Values, as run.until="2 s"
-        #[arg(required = true, value_name = "KEY=VALUE", value_parser = key_value)]
+        #[arg(required = true, value_name = "KEY=VALUE", value_parser = key_value, add = ArgValueCompleter::new(complete_setting))]
         changes: Vec<(String, String)>,
         /// Number of the run, or folder of its outputs [default: the only one]
         #[arg(long, value_name = "RUN")]

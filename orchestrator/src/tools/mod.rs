@@ -1,9 +1,10 @@
-//! Work around runs: benchmarks, comparisons, conformity of components, replays, reports, studies,
-//! validation.
+//! Work around runs: benchmarks, comparisons, conformity of components, new scenes, replays, reports,
+//! studies, validation.
 
 pub mod bench;
 pub mod compare;
 pub mod conform;
+pub mod new_scene;
 pub mod replay;
 pub mod report;
 pub mod study;

@@ -32,7 +32,8 @@ fn finished(out: &Path) -> Result<FinishedRun, String> {
     Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: manifest.spec.scene })
 }
 
-fn end(done: Result<String, CommandError>) -> ExitCode {
+/// Gives the answer of a command, or its error.
+pub(super) fn end(done: Result<String, CommandError>) -> ExitCode {
     match done {
         Ok(answer) => {
             answer_text(answer);
