@@ -1,16 +1,19 @@
 //! Launcher of components, as processes or as threads, and of the threads that carry their lines.
 
 mod lines;
+mod own_program;
 mod peer;
 mod program;
 mod with_us;
 
+pub use own_program::{Interpreted, interpreted_by, own_words};
 pub use peer::{Peer, end_all};
 pub use program::{MissingProgram, Program};
 pub use with_us::this_program;
 
 use crate::registry::built_in;
 use lines::{forward_log, forward_replies, write_requests};
+use own_program::{command_of, own_command};
 use peer::Body;
 use std::io::BufReader;
 use std::os::unix::process::CommandExt;
@@ -75,8 +78,7 @@ impl Launcher {
         let (to, body) = match program {
             Program::BuiltIn(built) if self.in_process => self.start_thread(index, name, built)?,
             Program::BuiltIn(built) => {
-                // This very executable, even if its file was replaced since the program began.
-                let mut command = Command::new("/proc/self/exe");
+                let mut command = own_command();
                 command.arg("component").arg(built);
                 self.start_process(index, command)?
             }
@@ -86,7 +88,7 @@ impl Launcher {
                     file.display()
                 ));
             }
-            Program::File(file) => self.start_process(index, Command::new(file))?,
+            Program::File(file) => self.start_process(index, command_of(file))?,
         };
         Ok(Peer::new(name, role, to, body))
     }

@@ -1,5 +1,6 @@
 //! Programs of components, found by their names in a manifest.
 
+use super::own_program::own_folder;
 use crate::registry::{BuiltIn, built_in};
 use std::path::{Path, PathBuf};
 
@@ -35,8 +36,7 @@ impl Program {
         }
         let mut places = vec![folder.join(name)];
         if !name.contains('/') {
-            let own = std::env::current_exe().ok();
-            places.extend(own.as_deref().and_then(Path::parent).map(|beside| beside.join(name)));
+            places.extend(own_folder().map(|beside| beside.join(name)));
             let path = std::env::var_os("PATH").unwrap_or_default();
             places.extend(std::env::split_paths(&path).map(|folder| folder.join(name)));
         }

@@ -1,5 +1,6 @@
 //! When processes end: they do not outlive their parent, and leave it to the parent to end them.
 
+use super::own_program::own_command;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
@@ -33,7 +34,7 @@ pub fn ends_by_us(command: &mut Command) -> &mut Command {
 
 /// This program again, for a run of its own: it is stopped in order if this one ends before it.
 pub fn this_program() -> Command {
-    let mut command = Command::new("/proc/self/exe");
+    let mut command = own_command();
     end_with_us(&mut command, Signal::INT);
     command
 }

@@ -35,6 +35,7 @@ pub use threads::ThreadShare;
 
 use crate::manifest::{Manifest, ManifestErrors};
 use crate::outputs::OutputError;
+use crate::run::launch::own_words;
 use crate::run::{RunError, signals_of};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -166,8 +167,8 @@ impl Study {
 
 /// A command line of this program, as a shell takes it.
 fn shell_line(arguments: Vec<OsString>) -> Result<String, StudyError> {
-    let program = std::env::current_exe().map_err(StudyError::io(Path::new("/proc/self/exe")))?;
-    let words = std::iter::once(program.into_os_string()).chain(arguments);
+    let program = own_words().map_err(StudyError::io(Path::new("/proc/self/exe")))?;
+    let words = program.into_iter().chain(arguments);
     Ok(words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" "))
 }
 

@@ -1,0 +1,19 @@
+//! Components in C and C++: a table of functions for each role, behind the traits of the sdk.
+//!
+//! `include/tremie.h` is made from this crate. [`fluid`], [`grains`] and [`observer`] have the tables,
+//! [`setup`], [`description`] and [`state`] what their functions get, and [`failure`] how they say what went
+//! wrong. One process is one component, so the table is a value of the process.
+
+pub mod description;
+pub mod failure;
+pub mod fluid;
+pub mod grains;
+pub mod observer;
+pub mod setup;
+pub mod state;
+mod text;
+
+/// Number of an exit code for C, which the standard library keeps to itself.
+fn number(code: std::process::ExitCode) -> i32 {
+    (0..=u8::MAX).find(|number| std::process::ExitCode::from(*number) == code).map_or(1, i32::from)
+}
