@@ -41,8 +41,8 @@ impl RunSetup {
 
     /// What stands at a path, as `scene.fluid.density`, `scene.gravity[2]` or `parameters.cell`.
     fn at(&self, path: &str) -> Option<&Value> {
-        let steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']'));
-        steps.fold(Some(&self.document), |at, step| match (at?, step.parse::<usize>()) {
+        let mut steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']'));
+        steps.try_fold(&self.document, |at, step| match (at, step.parse::<usize>()) {
             (Value::Array(list), Ok(place)) => list.get(place),
             (value, _) => value.get(step),
         })

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _tremie(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("LAYOUTS", memory::layouts(module.py())?)?;
+    module.add_function(wrap_pyfunction!(memory::layouts, module)?)?;
     module.add_function(wrap_pyfunction!(components::serve, module)?)?;
     module.add_function(wrap_pyfunction!(program::program, module)?)?;
     module.add_function(wrap_pyfunction!(documents::quantity, module)?)?;

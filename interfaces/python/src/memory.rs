@@ -106,6 +106,7 @@ fn dtype<'py, T: Structured>(py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
 }
 
 /// NumPy's types of all messages, by the names of their layouts.
+#[pyfunction]
 pub fn layouts<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     all.set_item(BodyState::LAYOUT, dtype::<BodyState>(py)?)?;

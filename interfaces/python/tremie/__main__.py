@@ -5,7 +5,15 @@ import signal
 import sys
 from typing import NoReturn
 
-from tremie import _tremie
+if __package__:
+    from . import _tremie
+else:
+    # As a script, for each component of a run: without the package and NumPy, which take time to import.
+    try:
+        import _tremie
+    except ImportError:
+        # Where PYTHONSAFEPATH keeps the script's folder from the path.
+        from tremie import _tremie
 
 
 def main() -> NoReturn:

@@ -2,23 +2,25 @@
 
 from enum import IntEnum
 
-from ._tremie import LAYOUTS
+from ._tremie import layouts
+
+_LAYOUTS = layouts()
 
 #: Pose and velocity of a body: id, position [m], orientation (x, y, z, w), velocity [m/s],
 #: angular_velocity [rad/s].
-BODY_STATE = LAYOUTS["body_state"]
+BODY_STATE = _LAYOUTS["body_state"]
 #: Load on a body: id, force [N], torque about its reference point [N m].
-LOAD = LAYOUTS["load"]
+LOAD = _LAYOUTS["load"]
 #: A body that appears or disappears: id, kind, shape, motion, set, mass [kg], size [m], table.
-BODY_EVENT = LAYOUTS["body_event"]
+BODY_EVENT = _LAYOUTS["body_event"]
 #: A body as an observer sees it: the state, and radius [m], mass [kg], set, shape, motion, part.
-BODY_SAMPLE = LAYOUTS["body_sample"]
+BODY_SAMPLE = _LAYOUTS["body_sample"]
 #: A vertex of a deformable surface: position [m], velocity [m/s], strain [1].
-SURFACE_SAMPLE = LAYOUTS["surface_sample"]
+SURFACE_SAMPLE = _LAYOUTS["surface_sample"]
 #: A node of a cut: velocity [m/s], pressure [Pa], fill [1], solid, density [kg/m3], level.
-NODE = LAYOUTS["node"]
+NODE = _LAYOUTS["node"]
 #: A bin of a profile of grains.
-PROFILE_BIN = LAYOUTS["profile_bin"]
+PROFILE_BIN = _LAYOUTS["profile_bin"]
 
 
 class Kind(IntEnum):

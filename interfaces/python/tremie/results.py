@@ -9,12 +9,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from . import _tremie
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,9 @@ class Results:
     @cached_property
     def signals(self) -> pd.DataFrame:
         """Signals over time [s]: a column ``component.name`` each; ``attrs["units"]`` has the units."""
+        # It takes half a second, which components need not wait for.
+        import pandas as pd
+
         times, columns, units, cut = _tremie.read_signals(self.folder / "signals.csv")
         frame = pd.DataFrame(columns, index=pd.Index(times, name="time"))
         frame.attrs["units"] = units
