@@ -1,7 +1,7 @@
 //! The module that the Python package `tremie` stands on.
 //!
-//! [`components`] lets classes of Python play roles in runs, with the shared memory of the channels as
-//! their arrays. [`results`] reads what runs left. [`program`] is the whole `tremie` program.
+//! `components` lets classes of Python play roles in runs, with the shared memory of the channels as
+//! their arrays. `results` reads what runs left. `program` is the whole `tremie` program.
 //! What a user sees is written in Python, in `tremie/`; this module has only what that needs.
 
 mod components;

@@ -1,7 +1,7 @@
 //! Completion of command lines in a shell: the script that a shell reads, and the program's answers to it.
 //!
 //! The script asks the program itself, so that it knows the keys of manifests, templates and files, and never
-//! falls behind the program. It sets [`VARIABLE`] to the shell's name and gives the words typed after `--`.
+//! falls behind the program. It sets `VARIABLE` to the shell's name and gives the words typed after `--`.
 
 use super::cli::whole;
 use crate::manifest::keys_beginning;
