@@ -73,7 +73,7 @@ def test_an_exception_ends_the_run_with_its_traceback(scene):
 
 def test_wrong_input_is_said_with_the_line_of_the_manifest(scene):
     folder = scene(
-        GRAINS + '\n            [settings."water.py"]\n            cel = 3',
+        GRAINS,
         water=fluid(
             "@classmethod\ndef describe(cls, setup):\n"
             "    raise tremie.Problem('scene.fluid.density', 'is too small', 'try 1000 kg/m3')\n" + STILL
@@ -85,6 +85,20 @@ def test_wrong_input_is_said_with_the_line_of_the_manifest(scene):
     text = str(error.value)
     assert "scene.fluid.density: is too small" in text
     assert 'density = "960 kg/m3"' in text and "try 1000 kg/m3" in text
+
+
+def test_an_unknown_parameter_is_named(scene):
+    folder = scene(
+        GRAINS + "\n            [settings.water]\n            stifness = 3",
+        water=fluid(
+            "@classmethod\ndef describe(cls, setup):\n"
+            "    setup.known_parameters('stiffness')\n    return tremie.Description()\n" + STILL
+        ),
+    )
+    with pytest.raises(tremie.RunError) as error:
+        tremie.check(folder)
+    text = str(error.value)
+    assert "settings.water.stifness: unknown key" in text and "valid keys: stiffness" in text
 
 
 def test_a_view_that_is_kept_ends_the_run(scene):
