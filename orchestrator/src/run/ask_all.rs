@@ -109,9 +109,20 @@ impl Round<'_> {
             return;
         }
         let last = Some(&answers.words[index]).filter(|text| !text.is_empty());
-        let words = last.map_or(String::new(), |text| format!("; its last words: {text}"));
+        let words = last.map_or(String::new(), |text| {
+            format!("; its last words: {text}{}", advice(text).unwrap_or_default())
+        });
         answers.fail(index, format!("it {how}{words}"));
     }
+}
+
+/// What to do about a component's last words, where that is known.
+fn advice(words: &str) -> Option<&'static str> {
+    let lacks_module = words.contains("ModuleNotFoundError");
+    lacks_module.then_some(
+        ". Run it with the `tremie` of the Python package, which knows its own Python (pip install ./interfaces/python), or \
+         install the module for `python3`",
+    )
 }
 
 impl Answers {
