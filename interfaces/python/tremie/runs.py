@@ -46,9 +46,7 @@ def run(
         words += ["--out", os.fspath(out)]
     if until is not None:
         words += ["--until", until]
-    for key, value in (set or {}).items():
-        words += ["--set", f"{key}={_toml_value(value)}"]
-    words += arguments or []
+    words += [*_changes(set), *(arguments or [])]
     folder = _carry_out(words, sys.stderr.isatty() if progress is None else progress)
     return Results(folder if folder else Path(out if out is not None else "."))
 
@@ -60,13 +58,17 @@ def check(
 
     Raises RunError, with the text that the program prints.
     """
-    words = ["check", os.fspath(manifest)]
-    for key, value in (set or {}).items():
-        words += ["--set", f"{key}={_toml_value(value)}"]
+    words = ["check", os.fspath(manifest), *_changes(set)]
     done = subprocess.run(_command(words), capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RunError(done.stderr.strip() or done.stdout.strip(), done.returncode)
     return done.stdout
+
+
+def _changes(set: Mapping[str, Any] | None) -> list[str]:
+    """Changes of the manifest, as words of a command line."""
+    changes = ((key, _toml_value(value)) for key, value in (set or {}).items())
+    return [word for key, value in changes for word in ("--set", f"{key}={value}")]
 
 
 def _command(words: list[str]) -> list[str]:
