@@ -3,6 +3,9 @@
 //! A run keeps iceoryx2's bookkeeping in a folder of its own and names its shared memory with a
 //! prefix of its own. The orchestrator holds a lock in that folder as long as it lives; a folder
 //! whose lock is free belongs to a run that was killed.
+//!
+//! Containers may share memory and have folders of their own. So the orchestrator holds a second
+//! lock, beside the memory: who does not see the folder leaves memory alone whose lock is held.
 
 use crate::memory::SHARED_MEMORY;
 use rustix::fs::{FallocateFlags, FlockOperation, fallocate, flock};
@@ -16,6 +19,8 @@ use std::path::{Path, PathBuf};
 const BOOKKEEPING: u64 = 512 << 10;
 /// Prefix of the names of all shared memory of Tremie.
 const PREFIX: &str = "tremie_";
+/// The rest of the name of the empty file beside a run's memory that is locked while the run lives.
+const CLAIM: &str = "claim";
 
 /// Folder and shared memory of one run; both are removed when this is dropped.
 #[derive(Debug)]
@@ -24,6 +29,9 @@ pub struct RunPlaces {
     prefix: String,
     /// Held for the life of the run; its release tells others that the run is over.
     _lock: File,
+    /// The same for those who see the memory and not the folder. `None` where nothing can be
+    /// written beside the memory: then no memory of the run is there.
+    _claim: Option<File>,
 }
 
 impl RunPlaces {
@@ -43,7 +51,10 @@ impl RunPlaces {
         flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
         // From here on other runs see the folder.
         fs::rename(&hidden, &folder)?;
-        Ok(Self { folder, prefix: prefix_of(run), _lock: lock })
+        let prefix = prefix_of(run);
+        // The run reports a lack of memory itself, with a remedy.
+        let _claim = claim(&prefix).ok();
+        Ok(Self { folder, prefix, _lock: lock, _claim })
     }
 
     /// Folder of the run, which only its user can open: iceoryx2's bookkeeping, and what else belongs to
@@ -123,6 +134,7 @@ pub fn shared_memory_of(run: u64) -> usize {
 
 /// Removes shared memory of runs that have no folder: made by components that died after their
 /// run's folder was swept. A run makes its folder before anything else, and removes it last.
+/// Memory of a run that lives stays: its folder may be where this process cannot see it.
 fn sweep_orphans() -> io::Result<()> {
     let (base, user) = (base()?, rustix::process::getuid().as_raw());
     for entry in fs::read_dir(SHARED_MEMORY)?.flatten() {
@@ -130,7 +142,8 @@ fn sweep_orphans() -> io::Result<()> {
         let run = name.strip_prefix(PREFIX).and_then(|rest| rest.split('_').next());
         let Some(run) = run.filter(|run| run.len() == 16) else { continue };
         let mine = entry.metadata().is_ok_and(|metadata| metadata.uid() == user);
-        if mine && !base.join(run).exists() {
+        let claim = Path::new(SHARED_MEMORY).join(format!("{PREFIX}{run}_{CLAIM}"));
+        if mine && !base.join(run).exists() && (!claim.exists() || is_free(&claim)) {
             forgive_missing(fs::remove_file(entry.path()))?;
         }
     }
@@ -185,8 +198,28 @@ fn private_folder(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Makes the file that says, while it is locked, that the memory named with `prefix` is in use.
+fn claim(prefix: &str) -> io::Result<File> {
+    let path = Path::new(SHARED_MEMORY).join(format!("{prefix}{CLAIM}"));
+    // Locked before it bears its name, as the folder. Sweeps pass over a name with a dot.
+    let hidden = Path::new(SHARED_MEMORY).join(format!(".{prefix}{CLAIM}"));
+    let file = File::create(&hidden)?;
+    let named = flock(&file, FlockOperation::NonBlockingLockExclusive)
+        .map_err(io::Error::from)
+        .and_then(|()| fs::rename(&hidden, path));
+    if named.is_err() {
+        forgive_missing(fs::remove_file(&hidden))?;
+    }
+    named.map(|()| file)
+}
+
 fn is_dead(folder: &Path) -> bool {
-    match File::open(folder.join("lock")) {
+    is_free(&folder.join("lock"))
+}
+
+/// True if a file is there and nobody holds its lock.
+fn is_free(lock: &Path) -> bool {
+    match File::open(lock) {
         // The lock is let go when `lock` is dropped here. A living run holds it for good.
         // Any refusal means that it may live, also that of a file system without locks.
         Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok(),

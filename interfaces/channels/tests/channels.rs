@@ -328,6 +328,27 @@ fn a_sweep_takes_the_dead_and_spares_the_living() {
     assert!(there > 0);
 }
 
+#[test]
+fn a_sweep_spares_memory_of_a_run_whose_folder_it_does_not_see() {
+    // As in two containers that share memory and have folders of their own.
+    let run = run_id();
+    let living = RunPlaces::create(run).unwrap();
+    let folder = living.root();
+    let unseen = format!("{folder}.unseen");
+    let memory = format!("/dev/shm/{}made", living.prefix());
+    std::fs::write(&memory, "made").unwrap();
+    std::fs::rename(&folder, &unseen).unwrap();
+    sweep_dead_runs().unwrap();
+    assert!(Path::new(&memory).exists());
+    std::fs::rename(&unseen, &folder).unwrap();
+    drop(living);
+    // What is made after the end of its run is swept.
+    std::fs::write(&memory, "made").unwrap();
+    sweep_dead_runs().unwrap();
+    assert!(!Path::new(&memory).exists());
+    assert_eq!(shared_memory_of(run), 0);
+}
+
 /// Leaves folder and memory of a run `run` as if it had been killed; returns the folder.
 fn leave_behind(run: u64) -> std::path::PathBuf {
     let places = RunPlaces::create(run).unwrap();
