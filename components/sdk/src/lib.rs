@@ -48,7 +48,7 @@ pub use observe::AsObserver;
 pub use observer::{Moment, Observer, ObserverError, own_file};
 pub use player::{RecordedMessage, RecordedMessages, play_recorded};
 pub use ports::edge_spec;
-pub use program::{Participant, log_line, main, main_of, run};
+pub use program::{Participant, log_line, main, main_of, number_of, run};
 pub use roles::{Fluid, Grains, Rubber, SolverError};
 pub use rubber::AsRubber;
 pub use sent::CopiedMessage;

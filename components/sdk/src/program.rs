@@ -80,6 +80,12 @@ pub fn main_of(
     }
 }
 
+/// The number of an exit code, for a caller in another language; the standard library keeps it to
+/// itself.
+pub fn number_of(code: ExitCode) -> u8 {
+    (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
+}
+
 /// Writes a line to standard error, which is the run's log. Where nobody reads it any longer, it is
 /// lost.
 pub fn log_line(text: impl Display) {

@@ -93,7 +93,9 @@ pub trait Fluid: Sized {
 
     /// True if bodies may be polyhedra: events of [`BodyEvent::POLYHEDRON`]. A scene with some is
     /// refused otherwise.
-    const TAKES_POLYHEDRA: bool = false;
+    fn takes_polyhedra() -> bool {
+        false
+    }
 
     /// Checks scene and parameters, and says what the fluid needs. Cheap; allocates no field.
     ///
@@ -229,7 +231,9 @@ pub trait Grains: Sized {
     const TAKES_PORTS: bool = false;
 
     /// True if bodies may be polyhedra. A scene with some is refused otherwise.
-    const TAKES_POLYHEDRA: bool = false;
+    fn takes_polyhedra() -> bool {
+        false
+    }
 
     /// Checks scene and parameters, and says what the grains need.
     ///

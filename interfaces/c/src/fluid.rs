@@ -2,7 +2,6 @@
 
 use crate::description::OwnDescription;
 use crate::failure::{outcome, verdict};
-use crate::number;
 use crate::setup::RunSetup;
 use crate::state::ComponentState;
 use crate::text::text_of;
@@ -11,7 +10,7 @@ use std::sync::OnceLock;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::state::{StateError, StateExchange};
-use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
+use tremie_sdk::{AsFluid, Fluid, Setup, SolverError, number_of};
 
 /// A fluid: takes poses of bodies, gives the loads on them. `bodies` and `loads` have the same bodies in the same
 /// order (ascending ids). `self` is what `create` gave. All functions run on one thread.
@@ -53,7 +52,7 @@ static TABLE: OnceLock<FluidTable> = OnceLock::new();
 pub unsafe extern "C" fn tremie_fluid_main(table: *const FluidTable) -> c_int {
     // SAFETY: the caller's promise.
     let _ = TABLE.set(unsafe { *table });
-    number(tremie_sdk::main::<AsFluid<CFluid>>())
+    number_of(tremie_sdk::main::<AsFluid<CFluid>>()).into()
 }
 
 fn table() -> &'static FluidTable {

@@ -2,7 +2,6 @@
 
 use crate::description::OwnDescription;
 use crate::failure::{outcome, verdict};
-use crate::number;
 use crate::setup::RunSetup;
 use crate::state::ComponentState;
 use crate::text::text_of;
@@ -11,7 +10,7 @@ use std::sync::OnceLock;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::state::{StateError, StateExchange};
-use tremie_sdk::{AsGrains, Grains, Setup, SolverError};
+use tremie_sdk::{AsGrains, Grains, Setup, SolverError, number_of};
 
 /// Grains: take the loads on bodies, give their poses and the events of their lives. `self` is what `create` gave.
 /// All functions run on one thread.
@@ -54,7 +53,7 @@ static TABLE: OnceLock<GrainsTable> = OnceLock::new();
 pub unsafe extern "C" fn tremie_grains_main(table: *const GrainsTable) -> c_int {
     // SAFETY: the caller's promise.
     let _ = TABLE.set(unsafe { *table });
-    number(tremie_sdk::main::<AsGrains<CGrains>>())
+    number_of(tremie_sdk::main::<AsGrains<CGrains>>()).into()
 }
 
 fn table() -> &'static GrainsTable {

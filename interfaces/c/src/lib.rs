@@ -12,8 +12,3 @@ pub mod observer;
 pub mod setup;
 pub mod state;
 mod text;
-
-/// Number of an exit code for C, which the standard library keeps to itself.
-fn number(code: std::process::ExitCode) -> i32 {
-    (0..=u8::MAX).find(|number| std::process::ExitCode::from(*number) == code).map_or(1, i32::from)
-}

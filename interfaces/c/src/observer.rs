@@ -2,7 +2,6 @@
 
 use crate::description::OwnDescription;
 use crate::failure::{outcome, verdict};
-use crate::number;
 use crate::setup::RunSetup;
 use crate::text::{c_text, text_of};
 use std::ffi::{c_char, c_int, c_void};
@@ -10,7 +9,7 @@ use std::sync::OnceLock;
 use tremie_messages::frame::BodySample;
 use tremie_messages::start::{Description, Signal, Watches};
 use tremie_messages::{BodyState, Problem};
-use tremie_sdk::{AsObserver, Moment, Observer, ObserverError, Setup};
+use tremie_sdk::{AsObserver, Moment, Observer, ObserverError, Setup, number_of};
 
 /// A body as an observer sees it.
 #[repr(C)]
@@ -73,7 +72,7 @@ static TABLE: OnceLock<ObserverTable> = OnceLock::new();
 pub unsafe extern "C" fn tremie_observer_main(table: *const ObserverTable) -> c_int {
     // SAFETY: the caller's promise.
     let _ = TABLE.set(unsafe { *table });
-    number(tremie_sdk::main::<AsObserver<CObserver>>())
+    number_of(tremie_sdk::main::<AsObserver<CObserver>>()).into()
 }
 
 fn table() -> &'static ObserverTable {

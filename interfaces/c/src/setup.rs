@@ -100,8 +100,8 @@ pub unsafe extern "C" fn tremie_setup_number(
 }
 
 /// Reads the quantity with its unit at a path of the component's own table, as `parameters.cell`, into SI
-/// units; `kind` is length, area, volume, time, velocity, acceleration, mass, density, viscosity, force,
-/// stiffness, pressure, angle or frequency. Gives 0 if there is one.
+/// units; `kind` is length, area, volume, time, velocity, angular velocity, acceleration, mass, density,
+/// viscosity, force, stiffness, dashpot, pressure, temperature, angle or frequency. Gives 0 if there is one.
 ///
 /// # Safety
 /// `setup` comes from the library, the texts end with a zero, and `value` can be written.
@@ -115,29 +115,10 @@ pub unsafe extern "C" fn tremie_setup_quantity(
     // SAFETY: the caller's promise.
     let (setup, path, kind) = unsafe { (&*setup, text_of(path), text_of(kind)) };
     let text = setup.at(&path).and_then(Value::as_str);
-    let Some(found) = text.and_then(|text| quantity(text, &kind)) else { return 1 };
+    let Some(Ok(found)) = text.and_then(|text| units::read(&kind, text)) else { return 1 };
     // SAFETY: the caller's promise.
     unsafe { *value = found };
     0
-}
-
-/// A quantity of a kind in SI units.
-fn quantity(text: &str, kind: &str) -> Option<f64> {
-    macro_rules! read {
-        ($($name:literal => $quantity:ident),+ $(,)?) => {
-            match kind {
-                $($name => text.parse::<units::$quantity>().ok().map(|read| read.0),)+
-                _ => None,
-            }
-        };
-    }
-    read! {
-        "length" => Length, "area" => Area, "volume" => Volume, "time" => Time,
-        "velocity" => Velocity, "acceleration" => Acceleration, "mass" => Mass,
-        "density" => Density, "viscosity" => Viscosity, "force" => Force,
-        "stiffness" => Stiffness, "pressure" => Pressure, "angle" => Angle,
-        "frequency" => Frequency,
-    }
 }
 
 /// Length of a substep [s]; 0 in `describe`.

@@ -106,7 +106,37 @@ macro_rules! quantities {
                 })
             }
         }
-    )+};
+    )+
+
+        /// Names of all kinds of quantities, as [`read`] takes them.
+        pub fn kinds() -> impl Iterator<Item = String> {
+            [$(stringify!($name)),+].into_iter().map(kind_of_type)
+        }
+
+        /// Reads a quantity of a kind whose name is known only at run time, as `length` or `angular
+        /// velocity`, in SI units; `None` if there is no such kind.
+        ///
+        /// # Errors
+        /// As those of the type of that kind.
+        pub fn read(kind: &str, text: &str) -> Option<Result<f64, NotAQuantity>> {
+            $(if kind_of_type(stringify!($name)) == kind {
+                return Some(text.parse().map(|$name(value)| value));
+            })+
+            None
+        }
+    };
+}
+
+/// Name of a kind, from that of its type: `AngularVelocity` is an `angular velocity`.
+fn kind_of_type(name: &str) -> String {
+    let mut kind = String::with_capacity(name.len() + 1);
+    for letter in name.chars() {
+        if letter.is_uppercase() && !kind.is_empty() {
+            kind.push(' ');
+        }
+        kind.extend(letter.to_lowercase());
+    }
+    kind
 }
 
 quantities! {
@@ -230,6 +260,15 @@ mod tests {
             assert!(message.contains("a length"), "{message}");
             assert!(message.contains(text), "{message}");
         }
+    }
+
+    #[test]
+    fn a_kind_is_read_by_its_name() {
+        assert_eq!(read("length", "0.3 mm"), Some(Ok(0.3e-3)));
+        assert_eq!(read("angular velocity", "2 rad/s"), Some(Ok(2.0)));
+        assert_eq!(read("weight", "2 kg"), None);
+        assert!(read("mass", "2 m").unwrap().unwrap_err().to_string().contains("a mass"));
+        assert!(kinds().all(|kind| read(&kind, "").is_some()));
     }
 
     #[test]

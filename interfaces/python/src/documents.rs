@@ -28,25 +28,10 @@ pub fn read_toml<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>
 /// Value in SI units of a quantity with its unit, as `quantity("0.3 mm", "length")`.
 #[pyfunction]
 pub fn quantity(text: &str, kind: &str) -> PyResult<f64> {
-    macro_rules! read {
-        ($($name:literal => $quantity:ident),+ $(,)?) => {
-            match kind {
-                $($name => text.parse().map(|units::$quantity(value)| value),)+
-                _ => {
-                    let known = [$($name),+].join(", ");
-                    let why = format!("there is no kind of quantity \"{kind}\"; there are {known}");
-                    return Err(PyValueError::new_err(why));
-                }
-            }
-        };
-    }
-    let value = read! {
-        "length" => Length, "area" => Area, "volume" => Volume, "time" => Time,
-        "velocity" => Velocity, "angular velocity" => AngularVelocity,
-        "acceleration" => Acceleration, "mass" => Mass, "density" => Density,
-        "viscosity" => Viscosity, "force" => Force, "stiffness" => Stiffness,
-        "dashpot" => Dashpot, "pressure" => Pressure, "temperature" => Temperature,
-        "angle" => Angle, "frequency" => Frequency,
-    };
-    value.map_err(|error: units::NotAQuantity| PyValueError::new_err(error.to_string()))
+    let value = units::read(kind, text).ok_or_else(|| {
+        let known = units::kinds().collect::<Vec<_>>().join(", ");
+        let why = format!("there is no kind of quantity \"{kind}\"; there are {known}");
+        PyValueError::new_err(why)
+    })?;
+    value.map_err(|error| PyValueError::new_err(error.to_string()))
 }

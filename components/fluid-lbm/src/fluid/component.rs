@@ -72,8 +72,11 @@ impl ObservedCells for LbmFluid {
 impl Fluid for LbmComponent {
     const PROGRAM: &'static str = concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
-    const TAKES_POLYHEDRA: bool = true;
     const TELLS_PORTS: bool = true;
+
+    fn takes_polyhedra() -> bool {
+        true
+    }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;

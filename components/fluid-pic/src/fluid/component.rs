@@ -76,7 +76,10 @@ impl<const D: usize> ObservedCells for PicFluid<D> {
 
 impl Fluid for PicComponent {
     const PROGRAM: &'static str = concat!("fluid-pic ", env!("CARGO_PKG_VERSION"));
-    const TAKES_POLYHEDRA: bool = true;
+
+    fn takes_polyhedra() -> bool {
+        true
+    }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;

@@ -62,7 +62,10 @@ impl ObservedCells for GasFluid {
 
 impl Fluid for GasComponent {
     const PROGRAM: &'static str = concat!("fluid-wavelet ", env!("CARGO_PKG_VERSION"));
-    const TAKES_POLYHEDRA: bool = true;
+
+    fn takes_polyhedra() -> bool {
+        true
+    }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;

@@ -49,7 +49,10 @@ impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
     const TAKES_PORTS: bool = true;
-    const TAKES_POLYHEDRA: bool = true;
+
+    fn takes_polyhedra() -> bool {
+        true
+    }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;

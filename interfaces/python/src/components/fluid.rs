@@ -6,7 +6,6 @@ use crate::memory::Lent;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tremie_messages::frame::{SliceHeader, SliceNode};
-use tremie_messages::scene::Placement;
 use tremie_messages::start::Description;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::state::{StateError, StateExchange};
@@ -21,15 +20,16 @@ pub struct PythonFluid {
 
 impl Fluid for PythonFluid {
     const PROGRAM: &'static str = UNNAMED;
-    // The class says whether it does: see `describe`.
-    const TAKES_POLYHEDRA: bool = true;
 
     fn program() -> String {
         program()
     }
 
+    fn takes_polyhedra() -> bool {
+        says("takes_polyhedra")
+    }
+
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        refuse_polyhedra(setup)?;
         describe(setup)
     }
 
@@ -115,20 +115,6 @@ fn both<'py>(
 
 fn lend<'py>(lent: PyResult<Lent<'py>>) -> Result<Lent<'py>, SolverError> {
     lent.map_err(|error| failed(format!("NumPy cannot show the channel's memory: {error}")))
-}
-
-/// Refuses polyhedra for a class that does not say that it takes them.
-pub fn refuse_polyhedra(setup: &Setup) -> Result<(), Vec<Problem>> {
-    let sets = &setup.hello.scene.bodies;
-    let found = sets.iter().position(|set| matches!(set.placement, Placement::Polyhedra(_)));
-    match found.filter(|_| !says("takes_polyhedra")) {
-        None => Ok(()),
-        Some(set) => {
-            let message = format!("{} takes no polyhedra", program());
-            let help = "take spheres, or another program for its role";
-            Err(vec![Problem::new(format!("scene.bodies[{set}].placement"), message).help(help)])
-        }
-    }
 }
 
 /// The grid of a cut, from a dictionary; the sdk sets the stamp.

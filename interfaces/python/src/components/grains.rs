@@ -1,7 +1,6 @@
 //! A class of Python as the grains of a run.
 
-use super::call::{call_lending, create, describe, failed, push_signals, raised};
-use super::fluid::refuse_polyhedra;
+use super::call::{call_lending, create, describe, failed, push_signals, raised, says};
 use super::{UNNAMED, program, state};
 use crate::memory::Lent;
 use pyo3::prelude::*;
@@ -21,15 +20,16 @@ pub struct PythonGrains {
 
 impl Grains for PythonGrains {
     const PROGRAM: &'static str = UNNAMED;
-    // The class says whether it does: see `describe`.
-    const TAKES_POLYHEDRA: bool = true;
 
     fn program() -> String {
         program()
     }
 
+    fn takes_polyhedra() -> bool {
+        says("takes_polyhedra")
+    }
+
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        refuse_polyhedra(setup)?;
         describe(setup)
     }
 

@@ -7,14 +7,13 @@ mod observer;
 mod setup;
 mod state;
 
-use crate::program::number;
 use fluid::PythonFluid;
 use grains::PythonGrains;
 use observer::PythonObserver;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::OnceLock;
-use tremie_sdk::{AsFluid, AsGrains, AsObserver};
+use tremie_sdk::{AsFluid, AsGrains, AsObserver, number_of};
 
 /// The class that this process serves.
 static CLASS: OnceLock<Py<PyAny>> = OnceLock::new();
@@ -37,7 +36,7 @@ pub fn serve(py: Python<'_>, role: &str, class: Bound<'_, PyAny>, program: Strin
             return Err(PyValueError::new_err(why));
         }
     };
-    Ok(py.detach(|| number(main())))
+    Ok(py.detach(|| number_of(main())))
 }
 
 /// Name and version of the program that this process is.
