@@ -2,7 +2,8 @@
 //!
 //! Rerun's own page server sends no content security policy. The viewer that it serves reports
 //! usage to Rerun's makers and loads fonts from elsewhere; under the policy sent here the browser
-//! refuses both.
+//! refuses both. The policy does not keep a browser from connecting to a host ahead of time, so links
+//! to others are taken out of the page.
 
 use re_web_viewer_server::WebViewerData;
 use std::io::{self, BufRead, BufReader, Write};
@@ -26,9 +27,10 @@ impl Page {
     /// Serves the page on `listener`, for data on the gRPC port `data`.
     pub fn serve(listener: TcpListener, data: u16) -> io::Result<Self> {
         let files = WebViewerData::load(None).map_err(io::Error::other)?;
+        let index = without_foreign_links(&String::from_utf8_lossy(files.index_html()));
         let address = listener.local_addr()?;
         let stopped = Arc::new(AtomicBool::new(false));
-        let server = Server { files, policy: policy(data), stopped: Arc::clone(&stopped) };
+        let server = Server { files, index, policy: policy(data), stopped: Arc::clone(&stopped) };
         let thread = std::thread::Builder::new()
             .name("viewer-page".into())
             .spawn(move || Arc::new(server).run(&listener))?;
@@ -68,8 +70,26 @@ fn policy(data: u16) -> String {
     )
 }
 
+/// A page without its `link` elements that name another host.
+fn without_foreign_links(page: &str) -> String {
+    let mut parts = page.split("<link");
+    let mut kept = String::from(parts.next().unwrap_or_default());
+    for part in parts {
+        let (element, rest) = part.split_once('>').unwrap_or((part, ""));
+        if !element.contains("://") {
+            kept.push_str("<link");
+            kept.push_str(element);
+            kept.push('>');
+        }
+        kept.push_str(rest);
+    }
+    kept
+}
+
 struct Server {
     files: WebViewerData,
+    /// The page itself.
+    index: String,
     policy: String,
     stopped: Arc<AtomicBool>,
 }
@@ -106,7 +126,7 @@ impl Server {
     fn file(&self, path: &str) -> Option<(&'static str, &[u8])> {
         let files = &self.files;
         Some(match path {
-            "/" | "/index.html" => ("text/html", files.index_html()),
+            "/" | "/index.html" => ("text/html", self.index.as_bytes()),
             "/favicon.ico" => ("image/x-icon", files.favicon()),
             "/apple-touch-icon.png" => ("image/png", files.apple_touch_icon()),
             "/sw.js" => ("text/javascript", files.sw_js()),
@@ -173,6 +193,10 @@ mod tests {
         assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
         assert!(answer.contains("connect-src 'self' data: blob: http://127.0.0.1:9876"));
         assert!(answer.contains("Rerun Viewer"));
+        let links = answer.split("<link").skip(1).map(|rest| rest.split('>').next().unwrap());
+        let links: Vec<&str> = links.collect();
+        assert!(links.iter().any(|link| link.contains("favicon.ico")), "{links:?}");
+        assert!(!links.iter().any(|link| link.contains("://")), "{links:?}");
         assert!(get(port, "/etc/passwd").starts_with("HTTP/1.1 404"));
         drop(page);
         assert!(TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_err());
