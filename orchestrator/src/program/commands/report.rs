@@ -1,14 +1,16 @@
-//! `tremie report OUT...`: draws the curves of finished runs.
+//! `tremie report OUT...`: draws the curves of finished runs, and says where they end.
 
 use super::WRONG_INPUT;
 use crate::program::cli::ReportArgs;
 use crate::terminal::standard::{answer, complain};
-use crate::tools::report::{self, ReportError};
-use std::path::PathBuf;
+use crate::tools::report::{self, Report, ReportError, levels};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Most signals listed that never change.
 const LISTED: usize = 12;
+/// Most signals whose levels are listed.
+const LEVELS: usize = 60;
 
 /// `tremie report`: one picture, and a line with its path.
 pub fn report(arguments: &ReportArgs) -> ExitCode {
@@ -38,17 +40,15 @@ fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
         complain(format_args!("warning: {cut}"));
     }
     let path = arguments.to.clone().unwrap_or_else(|| arguments.outs[0].join("report.svg"));
-    let name = |out: &PathBuf| out.file_name().map(|name| name.to_string_lossy().into_owned());
-    let names: Vec<String> = arguments.outs.iter().filter_map(name).collect();
-    report::draw(&report, &names.join(", "), &path)?;
+    report::draw(&report, &report.runs.join(", "), &path)?;
     let curves: usize = report.panels.iter().map(|panel| panel.curves.len()).sum();
     let panels = report.panels.len();
     let of_profiles = match report.profiles.len() {
         0 => String::new(),
         panels => format!(", and {panels} panels of profiles"),
     };
-    let path = path.display();
-    answer(format_args!("{path}: {curves} curves in {panels} panels{of_profiles}"));
+    let drawn = path.display();
+    answer(format_args!("{drawn}: {curves} curves in {panels} panels{of_profiles}"));
     for line in report.notes.iter() {
         answer(format_args!("  {line}"));
     }
@@ -58,6 +58,27 @@ fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
     }
     if let Some(more) = report.constant.len().checked_sub(LISTED + 1) {
         answer(format_args!("  and {} more that never change", more + 1));
+    }
+    if !report.has_spectra {
+        tell_levels(&report, &path.with_extension("csv"))?;
+    }
+    Ok(())
+}
+
+/// Writes where the signals end into a file, and says it where they are few.
+fn tell_levels(report: &Report, path: &Path) -> Result<(), ReportError> {
+    report::write_levels(report, path)?;
+    let (count, file) = (report.levels.len(), path.display());
+    answer(format_args!(
+        "{file}: where {count} signals end, means over the last tenth of the time"
+    ));
+    match count {
+        0..=LEVELS => {
+            for line in levels::lines(&report.levels, &report.runs) {
+                answer(format_args!("  {line}"));
+            }
+        }
+        _ => answer("  too many to list; --signal NAME lists some"),
     }
     Ok(())
 }

@@ -3,14 +3,17 @@
 //! Signals of one kind share a panel ([`panels`]): the pressures of all probes, the three
 //! components of a momentum. Several runs are drawn into the same panels. Signals that never change
 //! are listed beneath instead. Profiles of grains have panels of their own ([`profiles`]), which
-//! come first. With `--spectrum` the panels have spectra instead ([`spectrum`]).
+//! come first. With `--spectrum` the panels have spectra instead ([`spectrum`]). The
+//! levels at the runs' ends stand beside the picture, as numbers ([`levels`]).
 
+pub mod levels;
 pub mod panels;
 pub mod profiles;
 pub mod scale;
 pub mod sheet;
 pub mod spectrum;
 
+use levels::LevelRow;
 use panels::Panel;
 use spectrum::NoSpectrum;
 use std::path::{Path, PathBuf};
@@ -49,6 +52,14 @@ pub enum ReportError {
     /// Nothing in these runs changes.
     #[error("no signal of {0} changes over time: there is nothing to draw")]
     Nothing(String),
+    /// The numbers could not be written.
+    #[error("{}: cannot write: {message}", path.display())]
+    Numbers {
+        /// File of the numbers.
+        path: PathBuf,
+        /// The system's words.
+        message: String,
+    },
     /// The picture could not be written.
     #[error("{}: cannot draw: {message}", path.display())]
     Picture {
@@ -85,6 +96,10 @@ pub struct Report {
     pub notes: Vec<String>,
     /// Signals that never change, and their values in the first run that has them.
     pub constant: Vec<(String, f64, String)>,
+    /// Names of the runs.
+    pub runs: Vec<String>,
+    /// Where the signals stand at the ends of these runs.
+    pub levels: Vec<LevelRow>,
 }
 
 /// Reads the runs in the folders `outs` and sorts their signals. With `wanted`, only signals that
@@ -107,12 +122,25 @@ pub fn report(outs: &[PathBuf], wanted: &[String]) -> Result<Report, ReportError
     }
     let mut report = panels::sort(&runs, wanted);
     report.profiles = of_profiles(&runs);
+    report.levels = levels::levels(&runs, wanted);
+    report.runs = runs.iter().map(|run| run.name.clone()).collect();
     report.cuts.extend(runs.iter().filter_map(|run| run.signals.cut.clone()));
     if report.panels.is_empty() && report.profiles.is_empty() {
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         return Err(ReportError::Nothing(names.join(", ")));
     }
     Ok(report)
+}
+
+/// Writes the numbers of a report into a file for a spreadsheet.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_levels(report: &Report, path: &Path) -> Result<(), ReportError> {
+    let wrong = |message: String| ReportError::Numbers { path: path.into(), message };
+    let table = levels::table(&report.levels, &report.runs);
+    let table = table.map_err(|error| wrong(error.to_string()))?;
+    std::fs::write(path, table).map_err(|error| wrong(error.to_string()))
 }
 
 /// The spectra of a report's signals, from one time to another, without its profiles.
