@@ -34,7 +34,7 @@ def arguments():
     parser.add_argument("--threads", type=int, nargs="+", default=sorted({1, os.cpu_count() or 1}))
     parser.add_argument("--repeats", type=int, default=7, help="pairs of measurements")
     parser.add_argument("--seconds", type=float, default=0.6, help="length of a measurement")
-    parser.add_argument("--report", type=Path, default=ROOT / "BENCHMARKS.md")
+    parser.add_argument("--report", type=Path, default=Path(__file__).with_name("BENCHMARKS.md"))
     return parser.parse_args()
 
 

@@ -49,7 +49,7 @@ def arguments():
     parser.add_argument("--threads", type=int, nargs="+", default=sorted({1, os.cpu_count() or 1}))
     parser.add_argument("--repeats", type=int, default=3, help="pairs of measurements")
     parser.add_argument("--steps", type=int, default=3000, help="steps that are timed")
-    parser.add_argument("--report", type=Path, default=ROOT / "BENCHMARKS.md")
+    parser.add_argument("--report", type=Path, default=Path(__file__).with_name("BENCHMARKS.md"))
     return parser.parse_args()
 
 

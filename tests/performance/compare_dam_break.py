@@ -170,7 +170,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tremie", type=Path, default=ROOT / "target" / "release" / "tremie")
     parser.add_argument("--cells", type=int, nargs="+", default=[20, 40], help="cells across the column")
-    parser.add_argument("--out", type=Path, default=ROOT / "BENCHMARKS.md", help="file whose section is written")
+    parser.add_argument("--out", type=Path, default=Path(__file__).with_name("BENCHMARKS.md"), help="file whose section is written")
     arguments = parser.parse_args()
     if shutil.which("interFoam") is None or not EXAMPLE.exists():
         sys.exit("interFoam or its examples are missing: apt-get install openfoam openfoam-examples")

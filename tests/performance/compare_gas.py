@@ -45,7 +45,7 @@ def arguments():
     parser.add_argument("--tremie", type=Path, default=ROOT / "target/release/tremie", help="the program")
     parser.add_argument("--peers", type=Path, default=ROOT / "target/peers-gas", help="folder for the peer")
     parser.add_argument("--repeats", type=int, default=2, help="runs of each, in turns; the faster counts")
-    parser.add_argument("--report", type=Path, default=ROOT / "BENCHMARKS.md")
+    parser.add_argument("--report", type=Path, default=Path(__file__).with_name("BENCHMARKS.md"))
     return parser.parse_args()
 
 

@@ -89,7 +89,7 @@ def arguments():
     parser.add_argument("--repeats", type=int, default=5, help="pairs of measurements")
     parser.add_argument("--warm", type=int, default=300, help="steps before the first that is timed")
     parser.add_argument("--steps", type=int, default=600, help="steps that are timed")
-    parser.add_argument("--report", type=Path, default=ROOT / "BENCHMARKS.md")
+    parser.add_argument("--report", type=Path, default=Path(__file__).with_name("BENCHMARKS.md"))
     return parser.parse_args()
 
 

@@ -94,7 +94,7 @@ def table(ours, theirs):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--peers", type=Path, default=ROOT / "target" / "peers-pressure", help="folder of the peer's environment")
-    parser.add_argument("--out", type=Path, default=ROOT / "BENCHMARKS.md", help="file whose section is written")
+    parser.add_argument("--out", type=Path, default=HERE / "BENCHMARKS.md", help="file whose section is written")
     arguments = parser.parse_args()
     version = petsc()
     pyamg, system = Peer(install(arguments.peers)), Peer(SYSTEM)

@@ -377,9 +377,9 @@ pub struct ValidateArgs {
     /// Only the forms that end within seconds; keeps no results
     #[arg(long)]
     pub short: bool,
-    /// File of the report on all cases
-    #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
-    pub report: PathBuf,
+    /// File of the report on all cases [default: VALIDATION.md in their folder]
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Cases at a time, each on its share of the cores; wall times mean less then
     #[arg(long, value_name = "N", default_value = "1")]
     pub jobs: NonZeroUsize,

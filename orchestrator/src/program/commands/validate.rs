@@ -39,7 +39,8 @@ fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
         Ok(record.verdicts(case))
     })?;
     if !short {
-        write_report(folder, path)?;
+        let path = path.clone().unwrap_or_else(|| folder.join("VALIDATION.md"));
+        write_report(folder, &path)?;
         answer(format_args!("the report is in {}", path.display()));
     }
     let how = match (all.failed, all.standing) {
@@ -108,7 +109,12 @@ fn share_cores(job: usize, jobs: usize) {
 fn write_report(folder: &Path, path: &Path) -> Result<(), ValidationError> {
     let kept = |case: Case| Record::kept(&case.folder).map(|record| (case, record));
     let all: Vec<_> = cases(folder, &[])?.into_iter().map(kept).collect::<Result<_, _>>()?;
-    let text = report::text(&all, &folder.to_string_lossy());
+    // The report's links begin where it lies.
+    let seen = match path.parent() == Some(folder) {
+        true => Path::new(""),
+        false => folder,
+    };
+    let text = report::text(&all, seen);
     std::fs::write(path, text)
         .map_err(|error| ValidationError::Io { path: path.to_path_buf(), error })
 }

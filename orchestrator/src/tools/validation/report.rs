@@ -4,9 +4,10 @@ use super::case::Case;
 use super::judge::{Finding, Reference};
 use super::record::{OfKind, Record, RunRecord, Verdicts};
 use std::fmt::Write;
+use std::path::Path;
 
 /// The report on all cases; `folder` is where they lie, as a reader of the report sees it.
-pub fn text(cases: &[(Case, Option<Record>)], folder: &str) -> String {
+pub fn text(cases: &[(Case, Option<Record>)], folder: &Path) -> String {
     let mut out = String::from(HEAD);
     overview(&mut out, cases);
     for (case, record) in cases {
@@ -19,9 +20,9 @@ const HEAD: &str = "\
 # Validation
 
 Scenes whose result is known, run by manifest alone, each held against its reference. This page is written by
-`cargo run --release -- validate`; the cases lie in [tests/validation](tests/validation), each with its manifest, the source of its
-reference and its tolerances. Every number stands beside the resolution that gave it. Wall times are of the machine
-that made this page and serve to compare cases with each other.
+`cargo run --release -- validate`; each case has a folder with its manifest, the source of its reference and its
+tolerances. Every number stands beside the resolution that gave it. Wall times are of the machine that made this page and
+serve to compare cases with each other.
 
 There are three kinds of checks. A *reference* holds a result against theory, experiment or other people's computations. A *trend* holds
 it against a direction or an order that a source describes. A *record* keeps what was found before within bounds of our own; it
@@ -78,13 +79,14 @@ fn anchor(title: &str) -> String {
     kept.map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
-fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str) {
+fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &Path) {
     let Case { name, title, source, about, pictures, .. } = case;
     let _ = write!(out, "\n## {title}\n\n");
     if !about.trim().is_empty() {
         let _ = write!(out, "{}\n\n", about.trim());
     }
-    let _ = write!(out, "Reference: {source}. Case: [{folder}/{name}]({folder}/{name}).\n\n");
+    let _ =
+        write!(out, "Reference: {source}. Case: [{name}]({}).\n\n", folder.join(name).display());
     let Some(record) = record else {
         out.push_str("Not run yet.\n");
         return;
@@ -126,7 +128,8 @@ fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str)
             writeln!(out, "| {} | {} | {} |", run.name, shown.join("; "), duration(run.wall_time));
     }
     for picture in pictures {
-        let _ = write!(out, "\n![{}]({folder}/{name}/{}.svg)\n", picture.title, picture.file);
+        let drawn = folder.join(name).join(format!("{}.svg", picture.file));
+        let _ = write!(out, "\n![{}]({})\n", picture.title, drawn.display());
     }
 }
 
