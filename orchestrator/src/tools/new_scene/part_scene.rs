@@ -124,10 +124,14 @@ impl PartScene {
             format!("the part is {}", in_words(longest)),
             flow,
             format!(
-                "{:.0} cells across the {} of {}; {} at the inlet, a Reynolds number of {REYNOLDS}",
+                "{:.0} cells across the {}, {}; {} at the inlet, a Reynolds number of {REYNOLDS}",
                 domain.across(),
                 self.what(),
-                length(three_digits(domain.width)),
+                match self.kind {
+                    FlowKind::Around => length(three_digits(domain.width)),
+                    // Voxels measure it, and facets lie inside the round that they stand for.
+                    _ => format!("about {} at its narrowest", length(three_digits(domain.width))),
+                },
                 speed(domain.inflow),
             ),
         ];
