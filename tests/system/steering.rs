@@ -22,7 +22,7 @@ impl Steered {
         let (manifest, out) = (home.path().join("manifest.toml"), home.path().join("out"));
         std::fs::write(&manifest, SMALL).unwrap();
         let mut command = tremie();
-        command.arg("run").arg(&manifest).arg("--out").arg(&out).arg("--quiet");
+        command.arg("run").arg(&manifest).arg("--out").arg(&out);
         command.args(["--pause-at", &window.to_string()]).args(options);
         let running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::piped()));
         let steered = Self { running, out, _home: home };
@@ -114,7 +114,10 @@ fn a_change_holds_from_the_next_window_on() {
     until("it is back", || run.status()["state"] == "paused");
     assert_eq!(run.status()["progress"]["window"], 9);
     run.told(&["continue"]);
-    run.ends_with(0);
+    let said = run.ends_with(0);
+    assert!(said.contains("changed: scene.gravity[2] = 4 m/s2"), "{said}");
+    // It went on, so it did not end in between.
+    assert!(!said.contains("interrupted") && said.contains("completed: 40 of 40"), "{said}");
     let manifest = std::fs::read_to_string(run.out.join("manifest.toml")).unwrap();
     assert!(manifest.contains("4 m/s2"), "{manifest}");
     // The same by hand: a run that is resumed with the change.

@@ -238,6 +238,8 @@ impl Terminal {
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
+        // A change may make the run longer.
+        bar.set_length(length);
         bar.set_position(position);
         bar.set_message(line);
     }

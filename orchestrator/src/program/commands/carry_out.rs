@@ -74,10 +74,13 @@ pub(super) fn carry_out(
     let mut manifest = Cow::Borrowed(order.manifest);
     // The manifest before a change, until a run with the changed one has begun.
     let mut before = None;
+    // The end of the leg before a change, which is told only if the change is not made.
+    let mut untold = None;
     loop {
         let leg = RunOrder { manifest: &manifest, ..*order };
         let places = (&mut out, &*interrupts);
-        let mut ended = match carry_out_once(&leg, &execution, from.as_ref(), terminal, places) {
+        let once = carry_out_once(&leg, &execution, from.as_ref(), terminal, places);
+        let (mut ended, known) = match once {
             Ok(ended) => ended,
             Err(error) if before.is_some() && !matches!(error, RunError::Interrupted) => {
                 terminal.warn(&format!("the change is taken back: {error}"));
@@ -86,22 +89,31 @@ pub(super) fn carry_out(
                 manifest = before.take().unwrap_or(manifest);
                 continue;
             }
-            Err(error) => return Err(error),
+            Err(error) => return broken_off(error, untold, out.path(), terminal),
         };
         before = None;
         let may_go_on = interrupts.load(Ordering::Relaxed) == 0;
+        // A run that goes on with a change has not ended, whatever its summary says meanwhile.
+        let is_changed = may_go_on && changed(&ended).is_some();
+        if !is_changed {
+            tell_end(&ended.summary, known, out.path(), terminal);
+        }
         let next = if may_go_on {
             next_leg(&leg, out.path(), &ended, &mut restarts, terminal)
         } else {
             None
         };
         let Some(next) = next else {
+            if is_changed {
+                tell_end(&ended.summary, known, out.path(), terminal);
+            }
             if *order.view == View::Web {
                 linger(&mut ended, terminal, &interrupts);
             }
             return Ok(ExitCode::from(ended.close().ending.exit_code()));
         };
-        ended.close();
+        let summary = ended.close();
+        untold = is_changed.then_some((summary, known));
         // A fault that was committed on purpose belongs to the first try.
         execution.inject.clear();
         execution.pause_at = next.pause_at;
@@ -112,6 +124,21 @@ pub(super) fn carry_out(
         if let Some(changed) = next.manifest {
             before = Some(std::mem::replace(&mut manifest, Cow::Owned(changed)));
         }
+    }
+}
+
+/// Ends a run that could not begin, or not go on: what was made before a change is told, and stays.
+fn broken_off(
+    error: RunError,
+    untold: Option<(Summary, usize)>,
+    out: &Path,
+    terminal: &mut Terminal,
+) -> Result<ExitCode, RunError> {
+    let Some((summary, known)) = untold else { return Err(error) };
+    tell_end(&summary, known, out, terminal);
+    match error {
+        RunError::Interrupted => Ok(ExitCode::from(summary.ending.exit_code())),
+        other => Err(other),
     }
 }
 
@@ -131,14 +158,17 @@ fn next_leg(
     restarts: &mut Restarts,
     terminal: &Terminal,
 ) -> Option<NextLeg> {
-    match (&ended.summary.ending, &ended.change) {
-        (Ending::Interrupted, Some(change)) => with_change(order, out, change, terminal),
-        (Ending::Failed { fault, .. }, _) => {
-            let from = restarts.after(fault, &ended.summary, out, terminal)?;
-            Some(NextLeg { from, manifest: None, pause_at: None })
-        }
-        _ => None,
+    if let Some(change) = changed(ended) {
+        return with_change(order, out, change, terminal);
     }
+    let Ending::Failed { fault, .. } = &ended.summary.ending else { return None };
+    let from = restarts.after(fault, &ended.summary, out, terminal)?;
+    Some(NextLeg { from, manifest: None, pause_at: None })
+}
+
+/// The change for which a run ended, to go on with the changed manifest.
+fn changed(ended: &Ended) -> Option<&Change> {
+    ended.change.as_ref().filter(|_| matches!(ended.summary.ending, Ending::Interrupted))
 }
 
 /// How a run goes on with a change of its manifest.
@@ -157,6 +187,8 @@ fn with_change(
     let recorded = outputs::record_change(out, &from.manifest, &change.record);
     recorded.map_err(|error| given_up(error.to_string())).ok()?;
     add_observers(&mut manifest, order.view);
+    let set = change.record.set.iter().map(|(key, value)| format!("{key} = {value}"));
+    terminal.say(&format!("changed: {}", set.collect::<Vec<_>>().join(", ")));
     let pause_at = change.is_paused.then_some(change.record.window);
     Some(NextLeg { from, manifest: Some(manifest), pause_at })
 }
@@ -195,14 +227,14 @@ impl Restarts {
     }
 }
 
-/// Carries out a run once, to its end.
+/// Carries out a run once, to its end. Gives also the number of findings that are known from before it.
 fn carry_out_once(
     order: &RunOrder<'_>,
     execution: &Execution,
     from: Option<&Begin>,
     terminal: &mut Terminal,
     (out, interrupts): (&mut RunFolder, &AtomicUsize),
-) -> Result<Ended, RunError> {
+) -> Result<(Ended, usize), RunError> {
     let RunOrder { manifest, programs, .. } = *order;
     let prepared = prepare(manifest, programs, out.path(), execution, interrupts)?;
     // Before the plan is shown: a machine that is too small ends the run here.
@@ -243,9 +275,7 @@ fn carry_out_once(
     if executed.is_err() && from.is_none_or(|from| from.takes != Takes::Outputs) {
         out.clear();
     }
-    let ended = executed?;
-    tell_end(&ended.summary, known, out.path(), terminal);
-    Ok(ended)
+    Ok((executed?, known))
 }
 
 /// Tells what the observers wrote, findings beyond the `known` ones, and how the run ended.
