@@ -332,7 +332,8 @@ pub struct ReportArgs {
     /// Time up to which spectra are taken [default: the last row]
     #[arg(long, value_name = "TIME", requires = "spectrum")]
     pub until: Option<Time>,
-    /// File of the picture [default: report.svg in the first folder]
+    /// File of the picture; the levels go beside it, into FILE.levels.csv [default: report.svg in
+    /// the first folder, with report.csv]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
 }

@@ -60,7 +60,12 @@ fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
         answer(format_args!("  and {} more that never change", more + 1));
     }
     if !report.has_spectra {
-        tell_levels(&report, &path.with_extension("csv"))?;
+        // No name that a run or a user may have given to a table of their own.
+        let beside = match &arguments.to {
+            None => path.with_extension("csv"),
+            Some(picture) => picture.with_extension("levels.csv"),
+        };
+        tell_levels(&report, &beside)?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Numbers of a report: where each signal stands at the end of its run, and how much it swings there.
 
-use super::{Run, panels::begins};
-use std::collections::BTreeSet;
+use super::Run;
+use super::panels::{unit_of, wanted_names};
 
 /// Part of a run's time that counts as its end.
 pub const END: f64 = 0.1;
@@ -11,8 +11,8 @@ pub const END: f64 = 0.1;
 pub struct Level {
     /// Mean of its rows there.
     pub mean: f64,
-    /// Their standard deviation.
-    pub deviation: f64,
+    /// Their standard deviation; `None` of a single row.
+    pub deviation: Option<f64>,
 }
 
 /// A signal at the ends of several runs.
@@ -29,19 +29,13 @@ pub struct LevelRow {
 /// Levels of all signals that change in some run or differ between runs, by name; with `wanted`, only of
 /// those that begin with one of these names.
 pub fn levels(runs: &[Run], wanted: &[String]) -> Vec<LevelRow> {
-    let names = runs.iter().flat_map(|run| run.signals.columns.keys());
-    let names: BTreeSet<&String> = names
-        .filter(|name| wanted.is_empty() || wanted.iter().any(|wanted| begins(name, wanted)))
-        .collect();
-    let row = |name: &String| {
-        let unit = runs.iter().find_map(|run| run.signals.units.get(name));
-        LevelRow {
-            name: name.clone(),
-            unit: unit.map_or("1", String::as_str).into(),
-            of_runs: runs.iter().map(|run| level(run, name)).collect(),
-        }
+    let row = |name: String| LevelRow {
+        unit: unit_of(runs, &name),
+        of_runs: runs.iter().map(|run| level(run, &name)).collect(),
+        name,
     };
-    names.into_iter().filter(|name| is_told(runs, name)).map(row).collect()
+    let names = wanted_names(runs, wanted).into_iter();
+    names.filter(|name| is_told(runs, name)).map(row).collect()
 }
 
 /// True if a signal has more than one value in all runs together.
@@ -61,7 +55,7 @@ fn level(run: &Run, name: &str) -> Option<Level> {
     let count = last.len() as f64;
     let mean = last.iter().sum::<f64>() / count;
     let squares: f64 = last.iter().map(|value| (value - mean).powi(2)).sum();
-    Some(Level { mean, deviation: (squares / count).sqrt() })
+    Some(Level { mean, deviation: (last.len() > 1).then(|| (squares / count).sqrt()) })
 }
 
 /// The same as a table for a spreadsheet, for runs of these names.
@@ -75,7 +69,9 @@ pub fn table(rows: &[LevelRow], runs: &[String]) -> Result<Vec<u8>, csv::Error> 
     table.write_record(head.into_iter().chain(runs.iter().flat_map(of_run)))?;
     for row in rows {
         let values = row.of_runs.iter().flat_map(|level| match level {
-            Some(level) => [level.mean.to_string(), level.deviation.to_string()],
+            Some(Level { mean, deviation }) => {
+                [mean.to_string(), deviation.map_or(String::new(), |it| it.to_string())]
+            }
             None => [String::new(), String::new()],
         });
         table.write_record([row.name.clone(), row.unit.clone()].into_iter().chain(values))?;
@@ -111,9 +107,13 @@ pub fn lines(rows: &[LevelRow], runs: &[String]) -> Vec<String> {
 impl std::fmt::Display for Level {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { mean, deviation } = self;
-        match *deviation > 5e-5 * mean.abs() {
-            true => write!(f, "{} ± {}", rounded(*mean, 4), rounded(*deviation, 2)),
-            false => write!(f, "{}", rounded(*mean, 4)),
+        let mean_of = rounded(*mean, 4);
+        match *deviation {
+            None => write!(f, "{mean_of} (one row)"),
+            Some(swing) if swing > 5e-5 * mean.abs() => {
+                write!(f, "{mean_of} ± {}", rounded(swing, 2))
+            }
+            Some(_) => write!(f, "{mean_of}"),
         }
     }
 }
@@ -131,7 +131,8 @@ fn rounded(value: f64, digits: usize) -> String {
 /// Relative change between two levels, where both are there and it means something.
 fn change(from: Option<Level>, to: Option<Level>) -> String {
     match (from, to) {
-        (Some(from), Some(to)) if from.mean != 0.0 => {
+        // Beside a mean that is less than its swing, every change is large.
+        (Some(from), Some(to)) if from.mean.abs() > from.deviation.unwrap_or(0.0) => {
             let percent = 100.0 * (to.mean / from.mean - 1.0);
             match percent.abs() < 1000.0 {
                 true => format!("{percent:+.1} %"),
@@ -166,15 +167,15 @@ mod tests {
         let rows = levels(&[run("a", &[("f.pressure", &values)])], &[]);
         let level = rows[0].of_runs[0].unwrap();
         assert_eq!(level.mean, 2.0);
-        assert!((level.deviation - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((level.deviation.unwrap() - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12);
         assert_eq!(lines(&rows, &["a".into()])[1], "f.pressure  Pa    2 ± 0.82");
     }
 
     #[test]
     fn runs_stand_beside_each_other_with_their_change() {
         let runs = [
-            run("thin", &[("f.pressure", &[2.0; 11]), ("f.same", &[1.0; 11])]),
-            run("thick", &[("f.pressure", &[2.5; 11]), ("f.more", &[0.0; 11])]),
+            run("thin", &[("f.pressure", &[2.0; 21]), ("f.same", &[1.0; 21])]),
+            run("thick", &[("f.pressure", &[2.5; 21]), ("f.more", &[0.0; 21])]),
         ];
         let rows = levels(&runs, &[]);
         let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
@@ -186,6 +187,16 @@ mod tests {
         let text = text.unwrap();
         assert!(text.starts_with("signal,unit,thin mean,thin deviation,thick mean,"), "{text}");
         assert!(text.contains("f.pressure,Pa,2,0,2.5,0"), "{text}");
+    }
+
+    #[test]
+    fn a_single_row_and_a_mean_of_nothing_say_little() {
+        let one = levels(&[run("few", &[("f.pressure", &[1.0, 2.0, 3.0])])], &[]);
+        assert_eq!(lines(&one, &["few".into()])[1], "f.pressure  Pa    3 (one row)");
+        let swings: Vec<f64> = (0..40).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let runs = [run("a", &[("f.pressure", &swings)]), run("b", &[("f.pressure", &[3.0; 40])])];
+        let said = lines(&levels(&runs, &[]), &["a".into(), "b".into()]);
+        assert!(said[1].ends_with("3  -"), "{said:?}");
     }
 
     #[test]

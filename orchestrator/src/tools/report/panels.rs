@@ -56,14 +56,10 @@ fn place(signal: &str) -> SignalName<'_> {
 pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
     let mut constant = Vec::new();
     let mut groups: BTreeMap<(bool, String, String, String), Vec<PanelCurve>> = BTreeMap::new();
-    for name in names(runs) {
-        if !(wanted.is_empty() || wanted.iter().any(|wanted| begins(&name, wanted))) {
-            continue;
-        }
+    for name in wanted_names(runs, wanted) {
         let with = || runs.iter().filter_map(|run| Some((run, run.signals.columns.get(&name)?)));
         let changes = |values: &[f64]| values.iter().any(|value| *value != values[0]);
-        let unit = with().find_map(|(run, _)| run.signals.units.get(&name));
-        let unit = unit.map_or("1", String::as_str).to_string();
+        let unit = unit_of(runs, &name);
         if !with().any(|(_, values)| changes(values)) {
             let first = with().find_map(|(_, values)| values.first().copied());
             constant.extend(first.map(|value| (name.clone(), value, unit)));
@@ -93,13 +89,21 @@ pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
     Report { panels: panels.collect(), constant, ..Report::default() }
 }
 
-/// All signals that any run has.
-fn names(runs: &[Run]) -> Vec<String> {
-    let mut all: Vec<String> =
-        runs.iter().flat_map(|run| run.signals.columns.keys().cloned()).collect();
-    all.sort();
-    all.dedup();
-    all
+/// All signals that any run has, in order; with `wanted`, those that begin with one of these names.
+pub(super) fn wanted_names(runs: &[Run], wanted: &[String]) -> Vec<String> {
+    let all = runs.iter().flat_map(|run| run.signals.columns.keys());
+    let is_wanted =
+        |name: &&String| wanted.is_empty() || wanted.iter().any(|wanted| begins(name, wanted));
+    let mut names: Vec<String> = all.filter(is_wanted).cloned().collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// Unit of a signal, from the first run that tells it.
+pub(super) fn unit_of(runs: &[Run], name: &str) -> String {
+    let unit = runs.iter().find_map(|run| run.signals.units.get(name));
+    unit.map_or("1", String::as_str).into()
 }
 
 fn legend(parts: &[&str], run: Option<&String>, kind: &str) -> String {
