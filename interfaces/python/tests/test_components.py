@@ -238,6 +238,24 @@ def test_a_process_outside_of_a_run_says_how_it_is_meant_to_be_started():
     assert "stokes.py 0.1.0 is a component" in done.stderr and "tremie run MANIFEST" in done.stderr
 
 
+def test_a_program_that_is_no_component_yet_is_told_what_it_lacks(scene):
+    folder = scene('fluid = "./water.py"', water="import tremie")
+    with pytest.raises(tremie.RunError, match="before it said a word.*tremie.main") as refused:
+        tremie.check(folder)
+    assert "components.fluid" in str(refused.value)
+
+
+def test_a_path_that_counts_from_the_wrong_folder_is_told_from_the_right_one(scene, tremie_program):
+    folder = scene('fluid = "fluid-lbm"', water="import tremie")
+    manifest = folder / "below" / "manifest.toml"
+    manifest.parent.mkdir()
+    (folder / "manifest.toml").rename(manifest)
+    told = tremie_program("check", manifest, "--set", 'components.fluid="./water.py"', cwd=folder)
+    assert told.returncode == 2
+    assert "paths count from the manifest's folder; here it is" in told.stderr
+    assert str(folder / "water.py") in told.stderr
+
+
 @pytest.mark.parametrize("many", [100_000])
 def test_many_bodies_are_seen_where_they_lie(scene, many):
     """1e5 bodies take 11 MB a window; a component that copied none needs no such memory."""

@@ -28,12 +28,16 @@ def address(tmp_path):
     """Address at which a run is shown; the run and its viewer end with the test."""
     command = [sys.executable, "-m", "tremie", "run", SCENE, "--view", "web", "--out", tmp_path / "out"]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    told = next(line for line in running.stderr if "the run is shown at" in line)
-    # What it says later is read by nobody, and must not fill the pipe.
-    subprocess.Popen(["cat"], stdin=running.stderr, stdout=subprocess.DEVNULL)
-    yield told.split("the run is shown at ")[1].split()[0]
-    running.send_signal(signal.SIGINT)
-    running.wait(60)
+    try:
+        told = next((line for line in running.stderr if "the run is shown at" in line), None)
+        assert told, "the run ended before it was shown"
+        # What it says later is read by nobody, and must not fill the pipe.
+        subprocess.Popen(["cat"], stdin=running.stderr, stdout=subprocess.DEVNULL)
+        yield told.split("the run is shown at ")[1].split()[0]
+        running.send_signal(signal.SIGINT)
+        running.wait(60)
+    finally:
+        running.kill()
 
 
 def browser(log, profile):

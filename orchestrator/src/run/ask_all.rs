@@ -18,6 +18,8 @@ pub struct Round<'a> {
     pub news: &'a Receiver<PeerEvent>,
     /// Startup log, for lines of their standard error.
     pub early: &'a mut EarlyLog,
+    /// True if no component has answered anything yet.
+    pub is_first: bool,
     /// Longest time for all to answer.
     pub within: Duration,
     /// Number of the user's interrupts.
@@ -109,12 +111,21 @@ impl Round<'_> {
             return;
         }
         let last = Some(&answers.words[index]).filter(|text| !text.is_empty());
-        let words = last.map_or(String::new(), |text| {
-            format!("; its last words: {text}{}", advice(text).unwrap_or_default())
-        });
+        let words = match last {
+            Some(text) => {
+                format!("; its last words: {text}{}", advice(text).unwrap_or_default())
+            }
+            None if self.is_first && how == "exited with code 0" => {
+                format!(" before it said a word; {FORGOTTEN}")
+            }
+            None => String::new(),
+        };
         answers.fail(index, format!("it {how}{words}"));
     }
 }
+
+/// What the author of a component may have forgotten.
+const FORGOTTEN: &str = "a component ends with tremie.main(ITS_CLASS) in Python, and with a call of the sdk's main in Rust and C";
 
 /// What to do about a component's last words, where that is known.
 fn advice(words: &str) -> Option<&'static str> {

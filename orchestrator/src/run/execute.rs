@@ -333,6 +333,7 @@ impl Prepared {
             peers: &mut self.peers,
             news: &self.news,
             early: &mut self.early,
+            is_first: false,
             within: units::wait(manifest.spec.run.start_within),
             interrupts,
         };

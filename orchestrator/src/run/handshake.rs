@@ -31,6 +31,13 @@ pub fn find_programs(manifest: &Manifest, folder: &Path) -> Result<Vec<Program>,
                 let problem = Problem::new(component.key(), missing.to_string());
                 problems.push(match tremie_sdk::parameters::nearest(&missing.name, &known) {
                     Some(near) => problem.help(format!("did you mean \"{near}\"?")),
+                    None if Path::new(&missing.name).is_file() => {
+                        let here = std::path::absolute(&missing.name).unwrap_or_default();
+                        problem.help(format!(
+                            "paths count from the manifest's folder; here it is {:?}",
+                            here.display().to_string()
+                        ))
+                    }
                     None => {
                         problem.help("build the program first, or give its path from the manifest")
                     }

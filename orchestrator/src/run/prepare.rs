@@ -59,6 +59,7 @@ pub fn prepare(
         peers: &mut peers,
         news: &news,
         early: &mut early,
+        is_first: true,
         within: units::wait(manifest.spec.run.start_within),
         interrupts,
     };
