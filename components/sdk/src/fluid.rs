@@ -34,7 +34,7 @@ impl<T: Fluid> Participant for AsFluid<T> {
     }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
+        check_surfaces(setup, &T::program(), T::TAKES_SURFACES)?;
         check_polyhedra(setup, &T::program(), T::takes_polyhedra())?;
         let own = T::describe(setup)?;
         let described = Description { ports: T::TELLS_PORTS, tells_places: true, ..own };

@@ -33,7 +33,7 @@ impl<T: Grains> Participant for AsGrains<T> {
     }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
+        check_surfaces(setup, &T::program(), T::TAKES_SURFACES)?;
         check_polyhedra(setup, &T::program(), T::takes_polyhedra())?;
         let own = T::describe(setup)?;
         let described =

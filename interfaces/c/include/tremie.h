@@ -232,8 +232,8 @@ int tremie_setup_number(const tremie_setup *setup,
                         double *value);
 
 // Reads the quantity with its unit at a path of the component's own table, as `parameters.cell`, into SI
-// units; `kind` is length, area, volume, time, velocity, acceleration, mass, density, viscosity, force,
-// stiffness, pressure, angle or frequency. Gives 0 if there is one.
+// units; `kind` is length, area, volume, time, velocity, angular velocity, acceleration, mass, density,
+// viscosity, force, stiffness, dashpot, pressure, temperature, angle or frequency. Gives 0 if there is one.
 //
 // # Safety
 // `setup` comes from the library, the texts end with a zero, and `value` can be written.
