@@ -1,5 +1,5 @@
-//! One force from the loads on a ring's surface (Mutabaruka and Kamrin, Eq. 24 to 26, with their
-//! missing signs).
+//! One force from the loads on a ring's surface (Mutabaruka and Kamrin, section 2.4, with the signs that
+//! it lacks).
 
 use crate::table::{FacetKind, Surface};
 use tremie_geometry::Vec3;
