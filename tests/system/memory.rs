@@ -57,11 +57,10 @@ fn the_plan_says_how_much_shared_memory_a_run_takes() {
         let mut running = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::piped()));
         running.says("\"progress\"");
         // Its private folder is named as its memory.
-        let run = run_of(running.id()).unwrap();
-        let taken = taken(&run);
-        if running.has_ended() {
+        let Some(run) = run_of(running.id()) else {
             panic!("{name}: it ended: {}", running.errors());
-        }
+        };
+        let taken = taken(&run);
         assert!(need as f64 <= 1.3 * taken as f64, "{name}: {taken} bytes taken of {need} told");
         running.send("-INT");
         running.wait(Duration::from_secs(20));

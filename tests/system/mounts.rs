@@ -19,7 +19,7 @@ pub fn with_mount<A: AsRef<std::ffi::OsStr>>(
         command.args([way, "sh", "-c", &script, "sh"]).args(arguments);
         let Ok(run) = command.output() else { break };
         let said = String::from_utf8_lossy(&run.stderr);
-        if run.status.code() != Some(REFUSED) && !said.contains("unshare failed") {
+        if run.status.code() != Some(REFUSED) && !said.starts_with("unshare: ") {
             return Some(run);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::hazard::{Moment, Target};
 use crate::resume::checkpoints;
-use crate::running::{children_of, is_alive, places, run_of, send};
+use crate::running::{children_of, is_alive, kill, places, run_of, send};
 use crate::tremie::tremie;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
@@ -109,11 +109,7 @@ impl WatchedRun {
 
     /// Sends a signal at a moment; returns when it did, or `None` if the run was over before.
     pub fn strike(&mut self, to: Target, signal: &str, moment: Moment) -> Option<Instant> {
-        self.strike_by(to, moment, |target| {
-            let mut kill = Command::new("kill");
-            kill.args([&format!("-{signal}"), &target.to_string()]);
-            kill
-        })
+        self.strike_by(to, moment, |target| kill(&format!("-{signal}"), target))
     }
 
     /// As [`WatchedRun::strike`], by any command.
