@@ -1,7 +1,8 @@
 //! Fluids of C.
 
+use crate::component::{Made, described};
 use crate::description::OwnDescription;
-use crate::failure::{outcome, verdict};
+use crate::failure::outcome;
 use crate::setup::RunSetup;
 use crate::state::ComponentState;
 use crate::text::text_of;
@@ -61,14 +62,8 @@ fn table() -> &'static FluidTable {
 
 /// A fluid that functions of C are.
 struct CFluid {
-    own: *mut c_void,
+    made: Made,
     signals: usize,
-}
-
-impl Drop for CFluid {
-    fn drop(&mut self) {
-        (table().destroy)(self.own);
-    }
 }
 
 impl Fluid for CFluid {
@@ -80,26 +75,22 @@ impl Fluid for CFluid {
     }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        let mut description = OwnDescription::default();
-        let code = (table().describe)(&RunSetup::new(setup)?, &raw mut description);
-        verdict("describe", code != 0)?;
-        Ok(description.0)
+        described(setup, table().describe)
     }
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         let signals = Self::describe(setup)?.signals.len();
-        let own = (table().create)(&RunSetup::new(setup)?);
-        verdict("create", own.is_null())?;
-        Ok(Self { own, signals })
+        let made = Made::new(setup, table().create, table().destroy)?;
+        Ok(Self { made, signals })
     }
 
     fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
-        outcome("events", (table().events)(self.own, events.as_ptr(), events.len()))
+        outcome("events", (table().events)(self.made.own, events.as_ptr(), events.len()))
     }
 
     fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
         let count = bodies.len().min(loads.len());
-        let code = (table().start)(self.own, bodies.as_ptr(), loads.as_mut_ptr(), count);
+        let code = (table().start)(self.made.own, bodies.as_ptr(), loads.as_mut_ptr(), count);
         outcome("start", code)
     }
 
@@ -111,21 +102,20 @@ impl Fluid for CFluid {
     ) -> Result<(), SolverError> {
         let count = bodies.len().min(loads.len());
         let advance = table().advance;
-        let code = advance(self.own, substeps, bodies.as_ptr(), loads.as_mut_ptr(), count);
+        let code = advance(self.made.own, substeps, bodies.as_ptr(), loads.as_mut_ptr(), count);
         outcome("advance", code)
     }
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         match table().exchange_state {
-            Some(exchange) => ComponentState::exchange(state, |state| exchange(self.own, state)),
+            Some(exchange) => {
+                ComponentState::exchange(state, |state| exchange(self.made.own, state))
+            }
             None => state.unfit("the fluid has a version of its state and no exchange_state"),
         }
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
-        let Some(signals) = table().signals else { return };
-        let before = values.len();
-        values.resize(before + self.signals, 0.0);
-        signals(self.own, values[before..].as_mut_ptr(), self.signals);
+        self.made.push_signals(table().signals, self.signals, values);
     }
 }

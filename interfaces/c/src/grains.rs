@@ -1,7 +1,8 @@
 //! Grains of C.
 
+use crate::component::{Made, described};
 use crate::description::OwnDescription;
-use crate::failure::{outcome, verdict};
+use crate::failure::outcome;
 use crate::setup::RunSetup;
 use crate::state::ComponentState;
 use crate::text::text_of;
@@ -62,7 +63,7 @@ fn table() -> &'static GrainsTable {
 
 /// Grains that functions of C are.
 struct CGrains {
-    own: *mut c_void,
+    made: Made,
     signals: usize,
     /// Bodies that appeared or disappeared at the last window's end.
     events: Vec<BodyEvent>,
@@ -70,17 +71,11 @@ struct CGrains {
     count: usize,
 }
 
-impl Drop for CGrains {
-    fn drop(&mut self) {
-        (table().destroy)(self.own);
-    }
-}
-
 impl CGrains {
     /// Takes the events of the window that has ended, and counts who lives.
     fn ask_events(&mut self) {
         let mut at: *const BodyEvent = std::ptr::null();
-        let count = (table().events)(self.own, &raw mut at);
+        let count = (table().events)(self.made.own, &raw mut at);
         self.events.clear();
         if !at.is_null() {
             // SAFETY: the table's promise: so many events stand there.
@@ -104,17 +99,13 @@ impl Grains for CGrains {
     }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        let mut description = OwnDescription::default();
-        let code = (table().describe)(&RunSetup::new(setup)?, &raw mut description);
-        verdict("describe", code != 0)?;
-        Ok(description.0)
+        described(setup, table().describe)
     }
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         let signals = Self::describe(setup)?.signals.len();
-        let own = (table().create)(&RunSetup::new(setup)?);
-        verdict("create", own.is_null())?;
-        let mut grains = Self { own, signals, events: Vec::new(), count: 0 };
+        let made = Made::new(setup, table().create, table().destroy)?;
+        let mut grains = Self { made, signals, events: Vec::new(), count: 0 };
         grains.ask_events();
         Ok(grains)
     }
@@ -128,7 +119,7 @@ impl Grains for CGrains {
     }
 
     fn state(&self, bodies: &mut [BodyState]) {
-        let code = (table().state)(self.own, bodies.as_mut_ptr(), bodies.len());
+        let code = (table().state)(self.made.own, bodies.as_mut_ptr(), bodies.len());
         if let Err(error) = outcome("state", code) {
             // The sdk lets no error through here; it takes a panic's text as the component's failure.
             std::panic::resume_unwind(Box::new(error.0));
@@ -136,7 +127,7 @@ impl Grains for CGrains {
     }
 
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
-        let code = (table().advance)(self.own, substeps, loads.as_ptr(), loads.len());
+        let code = (table().advance)(self.made.own, substeps, loads.as_ptr(), loads.len());
         outcome("advance", code)?;
         self.ask_events();
         Ok(())
@@ -147,7 +138,7 @@ impl Grains for CGrains {
             return state.unfit("the grains have a version of their state and no exchange_state");
         };
         state.value("count", &mut self.count)?;
-        ComponentState::exchange(state, |state| exchange(self.own, state))?;
+        ComponentState::exchange(state, |state| exchange(self.made.own, state))?;
         if state.restores() {
             let count = self.count;
             self.ask_events();
@@ -157,9 +148,6 @@ impl Grains for CGrains {
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
-        let Some(signals) = table().signals else { return };
-        let before = values.len();
-        values.resize(before + self.signals, 0.0);
-        signals(self.own, values[before..].as_mut_ptr(), self.signals);
+        self.made.push_signals(table().signals, self.signals, values);
     }
 }

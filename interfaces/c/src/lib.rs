@@ -4,6 +4,7 @@
 //! [`setup`], [`description`] and [`state`] what their functions get, and [`failure`] how they say what went
 //! wrong. One process is one component, so the table is a value of the process.
 
+mod component;
 pub mod description;
 pub mod failure;
 pub mod fluid;

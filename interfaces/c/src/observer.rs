@@ -1,7 +1,8 @@
 //! Observers of C.
 
+use crate::component::{Made, described};
 use crate::description::OwnDescription;
-use crate::failure::{outcome, verdict};
+use crate::failure::outcome;
 use crate::setup::RunSetup;
 use crate::text::{c_text, text_of};
 use std::ffi::{c_char, c_int, c_void};
@@ -81,13 +82,7 @@ fn table() -> &'static ObserverTable {
 
 /// An observer that functions of C are.
 struct CObserver {
-    own: *mut c_void,
-}
-
-impl Drop for CObserver {
-    fn drop(&mut self) {
-        (table().destroy)(self.own);
-    }
+    made: Made,
 }
 
 /// An observer that fails has lost an output, as far as anybody can know.
@@ -104,9 +99,7 @@ impl Observer for CObserver {
     }
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        let mut description = OwnDescription::default();
-        let code = (table().describe)(&RunSetup::new(setup)?, &raw mut description);
-        verdict("describe", code != 0)?;
+        let described = described(setup, table().describe)?;
         let watches = Watches {
             bodies: table().bodies.is_some(),
             signals: table().signal.is_some(),
@@ -115,13 +108,12 @@ impl Observer for CObserver {
             ..Watches::default()
         };
         // Nothing of its outputs can be put back: a run that goes on begins them anew.
-        Ok(Description { watches, state: None, ..description.0 })
+        Ok(Description { watches, state: None, ..described })
     }
 
     fn open(setup: &Setup) -> Result<Self, ObserverError> {
-        let own = (table().create)(&RunSetup::new(setup)?);
-        verdict("create", own.is_null())?;
-        Ok(Self { own })
+        let made = Made::new(setup, table().create, table().destroy)?;
+        Ok(Self { made })
     }
 
     fn bodies(
@@ -134,7 +126,7 @@ impl Observer for CObserver {
         let from = c_text(from);
         let values = bodies.as_ptr().cast();
         let code =
-            function(self.own, from.as_ptr(), at.stamp.window, at.time, values, bodies.len());
+            function(self.made.own, from.as_ptr(), at.stamp.window, at.time, values, bodies.len());
         lost("bodies", code)
     }
 
@@ -150,14 +142,14 @@ impl Observer for CObserver {
         for (signal, value) in names.iter().zip(values) {
             let name = c_text(&signal.name);
             let (window, time) = (at.stamp.window, at.time);
-            let code = function(self.own, from.as_ptr(), window, time, name.as_ptr(), *value);
+            let code = function(self.made.own, from.as_ptr(), window, time, name.as_ptr(), *value);
             lost("signal", code)?;
         }
         Ok(())
     }
 
     fn close(&mut self, _: u64) -> Result<String, ObserverError> {
-        lost("close", (table().close)(self.own))?;
+        lost("close", (table().close)(self.made.own))?;
         Ok(String::new())
     }
 }
