@@ -98,18 +98,12 @@ pub(super) fn carry_out(
         if !is_changed {
             tell_end(&ended.summary, known, out.path(), terminal);
         }
-        let next = if may_go_on {
-            next_leg(&leg, out.path(), &ended, &mut restarts, terminal)
-        } else {
-            None
-        };
-        let Some(next) = next else {
+        let next = || next_leg(&leg, out.path(), &ended, &mut restarts, terminal);
+        let Some(next) = may_go_on.then(next).flatten() else {
             if is_changed {
                 tell_end(&ended.summary, known, out.path(), terminal);
             }
-            if *order.view == View::Web {
-                linger(&mut ended, terminal, &interrupts);
-            }
+            linger(order.view, &mut ended, terminal, &interrupts);
             return Ok(ExitCode::from(ended.close().ending.exit_code()));
         };
         let summary = ended.close();
@@ -291,9 +285,9 @@ fn tell_end(summary: &Summary, known: usize, out: &Path, terminal: &mut Terminal
 }
 
 /// Lets the viewer serve the run until the user has seen enough, or the viewer is gone.
-fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
+fn linger(view: &View, ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
     let wanted = || interrupts.load(Ordering::Relaxed) == 0;
-    if !wanted() || !ended.is_serving("viewer") {
+    if *view != View::Web || !wanted() || !ended.is_serving("viewer") {
         return;
     }
     terminal.say("the viewer stays up; Ctrl-C ends it");
