@@ -85,7 +85,10 @@ def test_ctrl_c_ends_a_run_in_order(tmp_path):
     """The signal comes to the process of Python alone, which passes it on."""
     out = tmp_path / "out"
     text = f"import tremie; tremie.run({str(FLUID)!r}, until='100 s', out={str(out)!r})"
-    child = subprocess.Popen([sys.executable, "-c", text], stderr=subprocess.PIPE, text=True)
+    # A shell that starts a command in the background has it ignore the signal, and all that it starts.
+    heed = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    command = [sys.executable, "-c", text]
+    child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=heed)
     deadline = time.monotonic() + 60
 
     def rows():
