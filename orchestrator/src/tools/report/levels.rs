@@ -4,7 +4,7 @@ use super::Run;
 use super::panels::{unit_of, wanted_names};
 
 /// Part of a run's time that counts as its end.
-pub const END: f64 = 0.1;
+const END: f64 = 0.1;
 
 /// A signal at the end of a run, in the signal's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
