@@ -33,6 +33,7 @@ mod outputs;
 mod particle_fluid;
 mod polyhedra;
 mod profiles;
+mod ranks;
 mod replay;
 mod report;
 mod resident;

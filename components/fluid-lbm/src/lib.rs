@@ -31,6 +31,7 @@ mod domain;
 mod fluid;
 mod gaps;
 mod lattice;
+mod ranks;
 mod report;
 mod solver;
 
@@ -46,6 +47,7 @@ pub use lattice::d3q19;
 pub use lattice::error::FluidError;
 pub use lattice::ledger::Ledger;
 pub use lattice::reservoir_place::ReservoirPlace;
+pub use ranks::communicator::{Communicator, Parcel};
 pub use report::findings::{findings, limits};
 pub use report::resolution::Resolution;
 pub use solver::diagnostics::{Diagnostics, Extreme, SliceNode};

@@ -167,8 +167,11 @@ impl Manifest {
         for mut problem in problems {
             self.name_missing_field(component, &mut problem);
             if let Some(key) = problem.key.strip_prefix(Problem::PARAMETER_PREFIX) {
+                let of = |program: &str| path::join(&path::join("settings", program), key);
+                let also = crate::registry::settings_shared_with(component.stem()).map(of);
                 let (own, shared) = (path::join(&own, key), path::join(&shared, key));
-                let known = [own, shared].into_iter().find(|key| self.source.knows(key));
+                let all = [own, shared].into_iter().chain(also);
+                let known = all.into_iter().find(|key| self.source.knows(key));
                 problem.key = known.unwrap_or_else(|| self.settings_key(component, key));
             } else {
                 problem.key = self.written(&problem.key);

@@ -158,6 +158,32 @@ fn no_benchmarks(_: &BenchmarkSizes) -> Vec<Benchmark> {
     Vec::new()
 }
 
+/// A program of the project that is not part of this one.
+struct Fellow {
+    name: &'static str,
+    /// Component whose settings are its own, too.
+    settings_of: &'static str,
+    /// Words on how to get it.
+    how_to_build: &'static str,
+}
+
+const FELLOWS: &[Fellow] = &[Fellow {
+    name: "fluid-lbm-mpi",
+    settings_of: "fluid-lbm",
+    how_to_build: "it needs an MPI and libclang (Debian: libopenmpi-dev openmpi-bin libclang-dev); then \
+                   cargo build --release -p tremie-fluid-lbm-mpi --features mpi",
+}];
+
+/// Component whose settings are also those of a program, if there is one.
+pub fn settings_shared_with(program: &str) -> Option<&'static str> {
+    FELLOWS.iter().find(|fellow| fellow.name == program).map(|fellow| fellow.settings_of)
+}
+
+/// Words on how to get a program of the project that is not there.
+pub fn how_to_build(program: &str) -> Option<&'static str> {
+    FELLOWS.iter().find(|fellow| fellow.name == program).map(|fellow| fellow.how_to_build)
+}
+
 /// The built-in component of that name.
 pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
     BUILT_IN.iter().chain(HIDDEN).find(|component| component.name == name)

@@ -1,5 +1,6 @@
 //! Round of questions: every component was asked something, and each answers in its own time.
 
+use crate::run::last_words::LastWords;
 use crate::run::launch::{ComponentEvent, Peer, PeerEvent};
 use crate::run::startup_log::EarlyLog;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -39,7 +40,7 @@ pub enum Unanswered {
 struct Answers {
     open: Vec<bool>,
     /// The last line that each wrote to standard error.
-    words: Vec<String>,
+    words: Vec<LastWords>,
     failed: Vec<(usize, String)>,
 }
 
@@ -55,7 +56,7 @@ impl Round<'_> {
         let count = self.peers.len();
         let mut answers = Answers {
             open: vec![true; count],
-            words: vec![String::new(); count],
+            words: vec![LastWords::default(); count],
             failed: Vec::new(),
         };
         let deadline = Instant::now() + self.within;
@@ -88,7 +89,7 @@ impl Round<'_> {
                 Err(why) => answers.fail(index, why),
             },
             ComponentEvent::Log(text) => {
-                answers.words[index].clone_from(&text);
+                answers.words[index].hear(&text, false);
                 self.early.push(index, text);
             }
             ComponentEvent::Garbage(text) => answers.fail(
@@ -110,7 +111,7 @@ impl Round<'_> {
         if !answers.open[index] && (how == "exited with code 0" || how == "ended") {
             return;
         }
-        let last = Some(&answers.words[index]).filter(|text| !text.is_empty());
+        let last = answers.words[index].text();
         let words = match last {
             Some(text) => {
                 format!("; its last words: {text}{}", advice(text).unwrap_or_default())

@@ -1,8 +1,9 @@
 //! Handshake: the components are started, and each is asked for its description.
 
-use crate::manifest::Manifest;
+use crate::manifest::{ComponentSpec, Manifest};
 use crate::run::ask_all::{Round, Unanswered};
 use crate::run::launch::{Launcher, Peer, Program};
+use serde_json::{Map, Value};
 use std::path::Path;
 use tremie_messages::start::{Description, Hello, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Problem};
@@ -29,7 +30,10 @@ pub fn find_programs(manifest: &Manifest, folder: &Path) -> Result<Vec<Program>,
             Err(missing) => {
                 let known: Vec<_> = crate::registry::BUILT_IN.iter().map(|b| b.name).collect();
                 let problem = Problem::new(component.key(), missing.to_string());
-                problems.push(match tremie_sdk::parameters::nearest(&missing.name, &known) {
+                let how = crate::registry::how_to_build(&missing.name);
+                let near = tremie_sdk::parameters::nearest(&missing.name, &known);
+                problems.push(match near {
+                    _ if let Some(how) = how => problem.help(how),
                     Some(near) => problem.help(format!("did you mean \"{near}\"?")),
                     None if Path::new(&missing.name).is_file() => {
                         let here = std::path::absolute(&missing.name).unwrap_or_default();
@@ -57,12 +61,33 @@ pub fn start_all(
     programs: &[Program],
     launcher: &Launcher,
 ) -> Result<Vec<Peer>, Vec<Problem>> {
-    let start = |(index, (spec, program)): (usize, (&crate::manifest::ComponentSpec, &Program))| {
+    let start = |(index, (spec, program)): (usize, (&ComponentSpec, &Program))| {
+        let launch = launch_of(spec, program)?;
         launcher
-            .start(index, &spec.name, spec.role, program)
+            .start(index, &spec.name, spec.role, (&launch, program))
             .map_err(|text| vec![Problem::new(spec.key(), text)])
     };
     manifest.spec.components.iter().zip(programs).enumerate().map(start).collect()
+}
+
+/// Setting of a program that says how it is launched, and is not the program's own.
+const LAUNCH: &str = "launch";
+
+/// The words before the program of a component, by which it is launched: none for most.
+fn launch_of(spec: &ComponentSpec, program: &Program) -> Result<Vec<String>, Vec<Problem>> {
+    let Some(value) = spec.settings.get(LAUNCH) else { return Ok(Vec::new()) };
+    let key = format!("settings.{}.{LAUNCH}", spec.stem());
+    let problem = |text: &str| vec![Problem::new(&key, text)];
+    if let Program::BuiltIn(name) = program {
+        return Err(problem(&format!("{name} is one process, expected no launcher of many")));
+    }
+    let words: Result<Vec<String>, _> = serde_json::from_value(value.clone());
+    match words {
+        Ok(words) if !words.is_empty() => Ok(words),
+        _ => {
+            Err(problem(&format!("found {value}, expected words as [\"mpiexec\", \"-n\", \"4\"]")))
+        }
+    }
 }
 
 /// Says hello to all components and collects their descriptions.
@@ -120,6 +145,13 @@ pub fn cores() -> u32 {
     std::thread::available_parallelism().map_or(1, |n| n.get() as u32)
 }
 
+/// The settings that are the program's own.
+fn own_settings(spec: &ComponentSpec) -> Map<String, Value> {
+    let mut settings = spec.settings.clone();
+    settings.remove(LAUNCH);
+    settings
+}
+
 /// A hello for each component of the manifest, in its order.
 fn hellos(manifest: &Manifest, run: u64, output: &Path) -> impl Iterator<Item = Hello> {
     let cores = cores();
@@ -129,7 +161,7 @@ fn hellos(manifest: &Manifest, run: u64, output: &Path) -> impl Iterator<Item = 
         component: spec.name.clone(),
         role: spec.role,
         scene: manifest.spec.scene.clone(),
-        parameters: spec.settings.clone(),
+        parameters: own_settings(spec),
         threads: spec.threads_of(cores),
         output: output.to_string_lossy().into_owned(),
     })

@@ -9,6 +9,7 @@ mod checkpointed;
 pub mod control;
 mod execute;
 pub mod handshake;
+mod last_words;
 pub mod launch;
 pub mod limits;
 pub mod measured_time;

@@ -91,6 +91,18 @@ impl ProbePlan {
         centres: &Centres,
         stored: impl Fn([i32; 3]) -> Option<u32>,
     ) -> Self {
+        Self::in_pieces(probes, grid, centres, stored, |_| 0)
+    }
+
+    /// The same, where cells of different pieces are never one item of work; `piece_of` gives the piece of a cell
+    /// that is stored under a number.
+    pub fn in_pieces(
+        probes: &[Probe],
+        grid: &Grid,
+        centres: &Centres,
+        stored: impl Fn([i32; 3]) -> Option<u32>,
+        piece_of: impl Fn(u32) -> u32,
+    ) -> Self {
         let mut own = Self::default();
         for (number, probe) in probes.iter().enumerate() {
             let mut cells = vec![Vec::new(); strips(&probe.shape)];
@@ -99,7 +111,9 @@ impl ProbePlan {
                 cells[strip].extend(stored(at).map(|cell| (cell, weight)));
             }
             for (strip, cells) in cells.iter().enumerate() {
-                own.items.extend(cells.chunks(SAMPLES_PER_ITEM).map(|samples| ProbeItem {
+                let pieces = cells.chunk_by(|a, b| piece_of(a.0) == piece_of(b.0));
+                let items = pieces.flat_map(|piece| piece.chunks(SAMPLES_PER_ITEM));
+                own.items.extend(items.map(|samples| ProbeItem {
                     probe: number,
                     strip,
                     samples: samples.to_vec(),
@@ -129,16 +143,25 @@ impl ProbePlan {
     /// Calls `tell` with the number of each probe, its shape and what was measured there; of a
     /// profile once for each strip.
     pub fn tell(&self, mut tell: impl FnMut(usize, &ProbeShape, &ProbeSum)) {
-        let mut items = self.items.iter().peekable();
+        self.tell_items(|number, shape, items| {
+            let mut sum = ProbeSum::default();
+            items.for_each(|item| sum.join(item));
+            tell(number, shape, &sum);
+        });
+    }
+
+    /// The same with the sums of all items of work, for those who add them up by themselves.
+    pub fn tell_items(
+        &self,
+        mut tell: impl FnMut(usize, &ProbeShape, &mut dyn Iterator<Item = &ProbeSum>),
+    ) {
+        let mut rest = &self.items[..];
         for (number, shape) in self.shapes.iter().enumerate() {
             for strip in 0..strips(shape) {
-                let mut sum = ProbeSum::default();
-                while let Some(item) =
-                    items.next_if(|item| (item.probe, item.strip) == (number, strip))
-                {
-                    sum.join(&item.sum);
-                }
-                tell(number, shape, &sum);
+                let is_of = |item: &ProbeItem| (item.probe, item.strip) == (number, strip);
+                let (own, others) = rest.split_at(rest.iter().take_while(|i| is_of(i)).count());
+                rest = others;
+                tell(number, shape, &mut own.iter().map(|item| &item.sum));
             }
         }
     }

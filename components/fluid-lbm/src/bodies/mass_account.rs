@@ -1,5 +1,6 @@
 //! The mass that a body owes the fluid.
 
+use crate::lattice::exact_sum::{ExactSum, values};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,9 @@ pub struct MassAccount {
     pub is_open: bool,
     took: f64,
     space: f64,
+    /// Of both, what cells changed in this step.
+    #[serde(skip)]
+    pub changed: [ExactSum; 2],
     /// Mass owed.
     pub owed: f64,
     /// Of that, what gaps drew in since it could last be paid.
@@ -26,22 +30,23 @@ pub struct MassAccount {
 impl MassAccount {
     /// A cell that held `1 + drho` left the fluid.
     pub fn cover(&mut self, drho: f64) {
-        self.took += 1.0 + drho;
-        self.space -= 1.0;
+        self.changed[0].add(1.0 + drho);
+        self.changed[1].add(-1.0);
     }
 
     /// A cell that holds `1 + drho` joined the fluid.
     pub fn uncover(&mut self, drho: f64) {
-        self.took -= 1.0 + drho;
-        self.space += 1.0;
+        self.changed[0].add(-1.0 - drho);
+        self.changed[1].add(1.0);
     }
 
     /// Links gave what `exchange` says to the fluid, of which `drawn` is all that gaps drew in and
     /// `taken` the mass that intakes will take for it; `mean` is the fluid's mean density.
     pub fn settle(&mut self, exchange: &MomentumExchange, mean: f64, taken: f64) {
         let MomentumExchange { mass, receded, drawn, weight, .. } = *exchange;
-        self.took += taken - mass;
-        self.space -= receded + drawn;
+        let [took, space] = values(&std::mem::take(&mut self.changed));
+        self.took += took + (taken - mass);
+        self.space += space - (receded + drawn);
         self.owed = self.took + mean * self.space;
         self.of_gaps += taken - mean * drawn;
         if weight > 0.0 {

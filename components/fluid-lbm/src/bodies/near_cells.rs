@@ -297,7 +297,8 @@ mod tests {
         let grid = Grid::new([100, 6, 6], [sides, [Side::Wall; 2], [Side::Symmetry; 2]]);
         let solids = (0..grid.len()).map(|k| u16::from(solid(grid.at(k)))).collect();
         let obstacles = Obstacles { solid: solids, sheets: Vec::new() };
-        Layout::new(grid, &obstacles, 8, |_| false).0
+        let all = (|_| true, crate::lattice::cell_list::BoundaryId::solid(1));
+        Layout::new(grid, &obstacles, 8, |_| false, all).0
     }
 
     /// Every bit and number is what the layout says of the cell.

@@ -19,6 +19,8 @@ use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
+use crate::ranks::cell_shares::Window;
+use crate::ranks::rank_sums::Ranks;
 use std::sync::Arc;
 use tremie_fluid_kit::cells::centres::Centres;
 use tremie_fluid_kit::cells::obstacles::Obstacles;
@@ -143,7 +145,7 @@ impl Boundaries {
     /// True if a fixture's links need work besides reflection half-way.
     fn is_special(&self, fixture: BoundaryId) -> bool {
         let moves = |law: &BoundaryCondition| !law.is_at_rest();
-        fixture.as_solid().is_some()
+        fixture.as_solid().is_some_and(|solid| solid != self.ground.solids.len())
             || self.laws[usize::from(fixture.0)].as_ref().is_some_and(moves)
     }
 
@@ -152,10 +154,17 @@ impl Boundaries {
     }
 
     /// Lays out the cells, and finds all links and cells that need work.
-    pub fn build<T: Real>(&mut self) -> Built<T> {
+    /// A rank that does not compute them alone has those of its `window`.
+    pub fn build<T: Real>(&mut self, ranks: &mut Ranks, window: Option<&Window>) -> Built<T> {
         let special = |fixture| self.is_special(fixture);
-        let (layout, survey) =
-            Layout::new(self.ground.grid.clone(), self.obstacles(), T::LINE, special);
+        // Cells that other ranks hold are as those to which no way leads.
+        let beyond = BoundaryId::solid(self.ground.solids.len() as u16);
+        let holds = |cell: u32| window.is_none_or(|window| window.holds(cell));
+        let (grid, held) = (self.ground.grid.clone(), (holds, beyond));
+        let (mut layout, survey) = Layout::new(grid, self.obstacles(), T::LINE, special, held);
+        if let Some(window) = window {
+            layout.own = window.own_cells(layout.cells.len());
+        }
         let is_open = |fixture: BoundaryId| {
             fixture.as_solid().is_none()
                 && !matches!(
@@ -174,8 +183,8 @@ impl Boundaries {
         let (sheets, sheet_items) =
             SheetLinks::new(&layout, &met, |fixture| self.laws[usize::from(fixture.0)].clone());
         let areas = self.open_areas(&layout, &open, &met);
-        let (faces, reservoirs) = self.open_faces(&layout, &open, &areas);
-        let (surfaces, met) = self.reservoir_surfaces(met);
+        let (faces, reservoirs) = self.open_faces(&layout, &open, &areas, ranks);
+        let (surfaces, met) = self.reservoir_surfaces(&layout, met, ranks);
         let is_at_rest = |met: &Blocked| {
             self.laws[usize::from(met.fixture.0)]
                 .as_ref()
@@ -188,13 +197,14 @@ impl Boundaries {
             let law = &self.laws[usize::from(fixture.0)];
             fixture.as_solid().is_some() && matches!(law, Some(BoundaryCondition::Wall { .. }))
         };
-        let (fixed, fixed_items, patches) = StaticWallLinks::new(
+        let (fixed, fixed_items, mut patches) = StaticWallLinks::new(
             &layout,
             &self.references,
             &sheets.ends(),
             fixed.into_iter(),
             is_wall,
         );
+        patches.share(&fixed_items, ranks);
         Built {
             layout,
             reflections: survey.reflections,
@@ -213,7 +223,9 @@ impl Boundaries {
     /// The surfaces of parts with a reservoir, and the links that end at something else.
     fn reservoir_surfaces(
         &self,
+        layout: &Layout,
         met: Vec<(Blocked, f64)>,
+        ranks: &mut Ranks,
     ) -> (Vec<ReservoirSurface>, Vec<(Blocked, f64)>) {
         let is_reservoir = |(met, _): &(Blocked, f64)| {
             let law = &self.laws[usize::from(met.fixture.0)];
@@ -221,15 +233,16 @@ impl Boundaries {
         };
         let (links, met): (Vec<_>, Vec<_>) = met.into_iter().partition(is_reservoir);
         let mirrors = self.faces.chunks(2).filter(|pair| pair.contains(&Face::Symmetry)).count();
-        let surface = |(number, solid): (usize, &Solid)| {
+        let mut surface = |(number, solid): (usize, &Solid)| {
             let PartBoundary::Reservoir(reservoir) = &solid.boundary else { return None };
             let fixture = BoundaryId::solid(number as u16);
             let own = |&(link, _): &(Blocked, f64)| (link.fixture == fixture).then_some(link);
             let links: Vec<Blocked> = links.iter().filter_map(own).collect();
             let own = (solid.part?, fixture);
-            Some(ReservoirSurface::new(own, &links, reservoir, mirrors, &self.units))
+            let reservoir = (reservoir, mirrors);
+            Some(ReservoirSurface::new(layout, own, &links, reservoir, (&self.units, ranks)))
         };
-        (self.ground.solids.iter().enumerate().filter_map(surface).collect(), met)
+        (self.ground.solids.iter().enumerate().filter_map(&mut surface).collect(), met)
     }
 
     /// Open areas of the cells at faces that prescribe a velocity, from the links that open faces
@@ -275,12 +288,14 @@ impl Boundaries {
         layout: &Layout,
         blocked: &[Blocked],
         areas: &OpenAreas,
+        ranks: &mut Ranks,
     ) -> (Vec<Box<dyn FaceScheme<T>>>, Vec<ReservoirFace>) {
         let (mut schemes, mut reservoirs) = (Vec::new(), Vec::new());
         for (number, face) in self.faces.iter().enumerate().filter(|(_, face)| face.is_open()) {
             let cells = FaceCell::of_face(layout, number, blocked);
             if let Face::Reservoir(reservoir) = face {
-                reservoirs.push(ReservoirFace::new(number, cells, reservoir, &self.units));
+                let with = (&self.units, &mut *ranks);
+                reservoirs.push(ReservoirFace::new(layout, number, cells, reservoir, with));
                 continue;
             }
             let condition = self.laws[number].as_ref();

@@ -32,7 +32,7 @@
 //! held to a flow.
 
 use crate::boundary::face_scheme::{
-    FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
+    FaceCell, FaceItem, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
 };
 use crate::boundary::open_boundary::relaxation;
 use crate::boundary::refill::Content;
@@ -40,7 +40,10 @@ use crate::boundary::zou_he::Inward;
 use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::d3q19::{Q, W};
 use crate::lattice::error::FluidError;
+use crate::lattice::exact_sum::{ExactSum, values};
+use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
@@ -62,6 +65,8 @@ pub struct ConvectiveOutflow {
 #[derive(Clone, Debug)]
 struct OutflowItem {
     cells: Range<usize>,
+    /// True if this part of the lattice counts them.
+    is_own: bool,
     /// Populations of each cell at the beginning of the step; none if it was no fluid.
     before: Vec<Option<[f64; Q]>>,
     sums: OutflowSums,
@@ -82,14 +87,15 @@ struct OutflowSums {
 
 impl ConvectiveOutflow {
     /// A face, `2 axis + side`, of a domain of so many cells along its axis.
-    pub fn new(face: usize, cells: Vec<FaceCell>, length: i32) -> Self {
-        let item = |cells: Range<usize>| OutflowItem {
+    pub fn new(layout: &Layout, face: usize, cells: Vec<FaceCell>, length: i32) -> Self {
+        let item = |FaceItem { cells, is_own }: FaceItem| OutflowItem {
             before: vec![None; cells.len()],
             cells,
+            is_own,
             sums: OutflowSums::default(),
             gain: Gain::default(),
         };
-        let items = items_of(cells.len()).map(item).collect();
+        let items = items_of(layout, &cells).into_iter().map(item).collect();
         Self { face, relaxation: relaxation(length), offset: 0.0, cells, items }
     }
 }
@@ -106,7 +112,12 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
         Ok(())
     }
 
-    fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
+    fn apply(
+        &mut self,
+        next: &PostStreaming<T>,
+        team: &mut Team,
+        ranks: &mut Ranks,
+    ) -> Result<(), FluidError> {
         let Self { face, relaxation, offset, cells, items } = self;
         let inward = Inward::of(*face);
         // Two loops, because `U` and the mean densities are those of the whole face.
@@ -118,8 +129,8 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
                 }
             }
         });
-        let mut all = OutflowSums::default();
-        items.iter().for_each(|item| all.join(&item.sums));
+        let own = items.iter().filter(|item| item.is_own);
+        let all = OutflowSums::over(own.map(|item| &item.sums), ranks);
         let count = all.cells.max(1.0);
         // Where fluid enters as a whole, `U` is 0: nothing is carried in from beyond.
         let speed = (all.outward / count).max(0.0);
@@ -148,7 +159,8 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
     }
 
     fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64)) {
-        self.items.iter().for_each(|item| add(item.gain.impulse, item.gain.mass));
+        let own = self.items.iter().filter(|item| item.is_own);
+        own.for_each(|item| add(item.gain.impulse, item.gain.mass));
     }
 
     fn bytes(&self) -> usize {
@@ -175,10 +187,15 @@ impl OutflowSums {
         self.own += before.map_or(drho, |h| Content::of(h).drho);
     }
 
-    fn join(&mut self, other: &Self) {
-        self.cells += other.cells;
-        self.outward += other.outward;
-        self.inner += other.inner;
-        self.own += other.own;
+    /// The sums of all items, of all ranks.
+    fn over<'s>(items: impl Iterator<Item = &'s Self>, ranks: &mut Ranks) -> Self {
+        let mut sums = [ExactSum::default(); 4];
+        for item in items {
+            let own = [item.cells, item.outward, item.inner, item.own];
+            sums.iter_mut().zip(own).for_each(|(sum, own)| sum.add(own));
+        }
+        ranks.add_up(&mut sums);
+        let [cells, outward, inner, own] = values(&sums);
+        Self { cells, outward, inner, own }
     }
 }

@@ -35,7 +35,7 @@ use crate::boundary::post_collision::PostCollision;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, W, dot, mirrored};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
-use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::momentum_exchange::{ExchangeTally, MomentumExchange};
 use crate::lattice::populations::Real;
 use std::ops::RangeInclusive;
 use tremie_fluid_kit::cells::grid::Grid;
@@ -283,8 +283,8 @@ impl<T: Real> PostCollision<'_, T> {
 
     /// Writes the cut links of an item, after all links were reflected; returns what they
     /// exchanged.
-    pub fn write_cuts(&self, body: &Body, cuts: &CutLinks) -> MomentumExchange {
-        let mut exchange = MomentumExchange::default();
+    pub fn write_cuts(&self, body: &Body, cuts: &CutLinks) -> ExchangeTally {
+        let mut exchange = ExchangeTally::default();
         let Some(part) = &body.part else { return exchange };
         let nearest = if body.is_part() { 0.0 } else { self.nearest_wall };
         for (ends, read) in cuts.links.iter().zip(&cuts.read) {
@@ -301,11 +301,16 @@ impl<T: Real> PostCollision<'_, T> {
                 let (arm, q) = end.now(body, part, nearest);
                 let (wall, u) = end.wall(body, arm, q);
                 let c = C_F64[usize::from(end.dir)];
-                exchange.add_link(c, [read.g + f, f - read.g], u, wall);
+                if !self.layout.is_own(end.slots.cell) {
+                    continue;
+                }
+                let mut link = MomentumExchange::default();
+                link.add_link(c, [read.g + f, f - read.g], u, wall);
                 // Cells on both sides being fluid, the mirror's account holds what it would have
                 // turned.
                 let turned = |a: usize| if end.mirrors >> a & 1 == 1 { -2.0 * c[a] } else { 0.0 };
-                add_scaled(&mut exchange.unmirrored, std::array::from_fn(turned), read.g);
+                add_scaled(&mut link.unmirrored, std::array::from_fn(turned), read.g);
+                exchange.add(&link);
             }
         }
         exchange

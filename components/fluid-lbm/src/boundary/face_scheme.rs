@@ -12,15 +12,16 @@ use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::cell_list::NONE;
 use crate::lattice::d3q19::{C, OPPOSITE, Q, each, moments};
 use crate::lattice::error::FluidError;
-use crate::lattice::layout::Layout;
+use crate::lattice::layout::{Layout, items_in_blocks};
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::units::Units;
+use crate::ranks::rank_sums::Ranks;
 use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 use tremie_team::{Team, Variant};
 
-/// Cells that are one item of work.
+/// Cells that are one item of work at most.
 pub const CELLS_PER_ITEM: usize = 512;
 
 /// A scheme for the cells of one open face.
@@ -34,14 +35,20 @@ pub trait FaceScheme<T: Real>: Send {
     }
 
     /// Gives the cells that are fluid all populations that the next collision finds in them, by
-    /// [`PostStreaming::replace`] or as that does, and keeps what the fluid gained by it.
+    /// [`PostStreaming::replace`] or as that does, and keeps what the fluid gained by it. What a scheme adds up over
+    /// the face, it adds up over all ranks.
     ///
     /// # Errors
     /// A state that ends the run.
-    fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError>;
+    fn apply(
+        &mut self,
+        next: &PostStreaming<T>,
+        team: &mut Team,
+        ranks: &mut Ranks,
+    ) -> Result<(), FluidError>;
 
-    /// Calls `add` with momentum and mass that the fluid gained in the last step, in an order that
-    /// does not depend on threads.
+    /// Calls `add` with momentum and mass that the fluid gained in the last step, piece by piece, in the cells that
+    /// this part of the lattice counts.
     fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64));
 
     /// Cells of a face that prescribes a pressure through which fluid entered in the last step.
@@ -138,10 +145,20 @@ impl FaceCell {
     }
 }
 
-/// The items of work of so many cells.
-pub fn items_of(cells: usize) -> impl Iterator<Item = Range<usize>> {
-    let starts = (0..cells).step_by(CELLS_PER_ITEM);
-    starts.map(move |first| first..(first + CELLS_PER_ITEM).min(cells))
+/// Cells of a face that are one item of work, all of one block.
+#[derive(Clone, Debug)]
+pub struct FaceItem {
+    /// Their numbers among the cells of the face.
+    pub cells: Range<usize>,
+    /// True if this part of the lattice counts them.
+    pub is_own: bool,
+}
+
+/// The items of work of a face's cells.
+pub fn items_of(layout: &Layout, cells: &[FaceCell]) -> Vec<FaceItem> {
+    let numbers: Vec<u32> = cells.iter().map(|open| open.cell).collect();
+    let items = items_in_blocks(&numbers, CELLS_PER_ITEM);
+    items.map(|cells| FaceItem { is_own: layout.is_own(numbers[cells.start]), cells }).collect()
 }
 
 /// Momentum and mass that the fluid gained through cells of a face.

@@ -42,7 +42,8 @@ pub fn scheme_of<T: Real>(face: &Face, site: FaceSite) -> Box<dyn FaceScheme<T>>
             Box::new(open.absorbing(site.length()))
         }
         Face::Pressure { outflow: Outflow::Convective, .. } => {
-            Box::new(ConvectiveOutflow::new(number, site.cells.clone(), site.length()))
+            let length = site.length();
+            Box::new(ConvectiveOutflow::new(layout, number, site.cells.clone(), length))
         }
         _ => Box::new(open),
     }

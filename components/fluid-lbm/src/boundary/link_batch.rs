@@ -7,7 +7,7 @@ use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
 use crate::boundary::bouzidi::Bouzidi;
 use crate::boundary::link_kernels::{
-    CorrectMass, ExchangeSums, InterpolateBouzidi, LANES, Lane, LinkBlock, Paid, PlaceLinks,
+    CorrectMass, ExchangeSums, InterpolateBouzidi, LANES, LinkBlock, Paid, PlaceLinks,
     SumMomentumExchange, Surface,
 };
 use crate::boundary::population_addresses::PopulationAddresses;
@@ -15,8 +15,8 @@ use crate::boundary::post_collision::PostCollision;
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
 use crate::lattice::d3q19::{C_F64, Q, W};
-use crate::lattice::ledger::add_scaled;
-use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::exact_sum::add_vector;
+use crate::lattice::momentum_exchange::ExchangeTally;
 use crate::lattice::populations::{Real, prefetch};
 
 /// Links of a full batch: their cache lines, some three each, must fit in the first-level cache
@@ -62,7 +62,7 @@ pub struct Batch {
     places: [[u32; 3]; LINKS],
     sums: ExchangeSums,
     paid: Paid,
-    exchange: MomentumExchange,
+    exchange: ExchangeTally,
     /// Velocity of the wall and facet of each link, of a surface that can deform.
     walls: [([f64; 3], u32); LINKS],
     /// Gaps that the item found, and what facets felt.
@@ -76,9 +76,9 @@ impl Default for Batch {
             slots: Vec::with_capacity(LINKS),
             mirrors: Vec::with_capacity(LINKS),
             places: [[0; 3]; LINKS],
-            sums: [[0.0; LANES]; 10],
-            paid: [[0.0; LANES]; 2],
-            exchange: MomentumExchange::default(),
+            sums: ExchangeSums::NONE,
+            paid: Paid::NONE,
+            exchange: ExchangeTally::default(),
             walls: [([0.0; 3], NO_FACET); LINKS],
             gaps: Gaps::default(),
         }
@@ -88,31 +88,28 @@ impl Default for Batch {
 impl Batch {
     /// Begins an item of a body.
     pub fn begin(&mut self) {
-        self.sums = [[0.0; LANES]; 10];
-        self.paid = [[0.0; LANES]; 2];
-        self.exchange = MomentumExchange::default();
+        self.sums = ExchangeSums::NONE;
+        self.paid = Paid::NONE;
+        self.exchange = ExchangeTally::default();
     }
 
     /// Exchange of the item.
-    pub fn exchange(&self) -> MomentumExchange {
-        let total = |lane: &Lane| lane.iter().fold(0.0, |sum, x| sum + x);
-        let sum = |k: usize| total(&self.sums[k]);
-        let vector = |k: usize| [sum(k), sum(k + 1), sum(k + 2)];
-        let [receded, weight] = self.paid.each_ref().map(total);
-        MomentumExchange {
+    pub fn exchange(&self) -> ExchangeTally {
+        let vector = |k: usize| [k, k + 1, k + 2].map(|k| self.sums.total(k));
+        ExchangeTally {
             force: vector(0),
             torque: vector(3),
             swept: vector(6),
-            mass: sum(9),
-            receded,
-            weight,
+            mass: self.sums.total(9),
+            receded: self.paid.total(0),
+            weight: self.paid.total(1),
             ..self.exchange
         }
     }
 
     /// Counts a volume by which the wall recedes where it has no links; see `mass_correction`.
     pub fn draw(&mut self, volume: f64) {
-        self.exchange.drawn += volume;
+        self.exchange.drawn.add(volume);
     }
 
     /// Makes room for the links of a cell, if there is not enough.
@@ -216,7 +213,8 @@ impl Batch {
         if is_soft {
             self.feel(links);
         }
-        self.exchange.links += links;
+        let is_own = |slots: &&PopulationAddresses| after.layout.is_own(slots.cell);
+        self.exchange.links += known.slots.iter().filter(is_own).count();
     }
 
     /// Fills the lanes beyond the last link with links as it that weigh nothing.
@@ -262,6 +260,10 @@ impl Batch {
     /// see `mass_correction`.
     fn pay<T: Real>(&mut self, after: &PostCollision<T>, body: &Body, known: Known) {
         let full = known.slots.len().div_ceil(LANES);
+        for (k, slots) in known.slots.iter().enumerate() {
+            self.eights[k / LANES].own_cell[k % LANES] =
+                f64::from(u8::from(after.layout.is_own(slots.cell)));
+        }
         let (links, rate) = (&mut self.eights[..full], body.account.pay);
         after.variant.run(CorrectMass { links, rate, sums: &mut self.paid });
         if after.keeps_mass && body.is_part() && !self.gaps.given.is_empty() {
@@ -307,14 +309,16 @@ impl Batch {
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let g = after.field.get(own);
             let push = s.push[l] * (1.0 + after.drho.get(slots.cell as usize));
+            let is_own = after.layout.is_own(slots.cell);
             let f = if other == NOWHERE {
-                self.exchange.fallbacks += 1;
+                self.exchange.fallbacks += usize::from(is_own);
                 g - push
             } else {
                 s.own[l] * g + s.other[l] * after.field.get(other) - push
             };
             let f = after.field.set(result, f);
-            (s.sum[l], s.gain[l]) = (g + f, f - g);
+            // Others count the links of their cells.
+            (s.sum[l], s.gain[l]) = if is_own { (g + f, f - g) } else { (0.0, 0.0) };
         }
     }
 
@@ -327,8 +331,8 @@ impl Batch {
             let across = |v: f64, a: usize| if mirrors >> a & 1 == 1 { 2.0 * v } else { 0.0 };
             let force = std::array::from_fn(|a| across(s.sum[l] * s.c[a][l] + swept[a], a));
             let swept = std::array::from_fn(|a| across(swept[a], a));
-            add_scaled(&mut self.exchange.image, force, 1.0);
-            add_scaled(&mut self.exchange.image_swept, swept, 1.0);
+            add_vector(&mut self.exchange.image, force);
+            add_vector(&mut self.exchange.image_swept, swept);
         }
     }
 }

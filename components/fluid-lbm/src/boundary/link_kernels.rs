@@ -2,11 +2,13 @@
 //! populations, and sums. See `post_collision` for the formulae.
 //!
 //! Written once for plain arrays and compiled for each set of vector instructions; no operation
-//! here is fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
+//! here is fused or reordered, so that every variant yields the same bits. Sums run in eight lanes, and depend
+//! on no order.
 
 use crate::bodies::body::late;
 use crate::boundary::bouzidi::Bouzidi;
 use crate::lattice::d3q19::W;
+use crate::lattice::exact_sum::{ExactSum, binned};
 use crate::lattice::momentum_exchange::LinkExchange;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
 use tremie_team::instructions::Work;
@@ -43,6 +45,8 @@ pub struct LinkBlock {
     pub sum: Lane,
     /// `f_i' - g_i`.
     pub gain: Lane,
+    /// 1 of a link whose cell this part of the lattice counts, else 0.
+    pub own_cell: Lane,
 }
 
 impl LinkBlock {
@@ -59,6 +63,7 @@ impl LinkBlock {
         u: [[0.0; LANES]; 3],
         sum: [0.0; LANES],
         gain: [0.0; LANES],
+        own_cell: [1.0; LANES],
     };
 }
 
@@ -96,11 +101,41 @@ pub struct Surface {
     pub nearest: f64,
 }
 
+/// Numbers of each of eight links, added up by place without any rounding, so that the sum depends on no order; see
+/// [`binned`].
+#[derive(Clone, Copy, Debug)]
+pub struct LaneSums<const N: usize> {
+    coarse: [Lane; N],
+    fine: [Lane; N],
+}
+
+impl<const N: usize> LaneSums<N> {
+    /// Of no links.
+    pub const NONE: Self = Self { coarse: [[0.0; LANES]; N], fine: [[0.0; LANES]; N] };
+
+    /// Adds a number of the link in a lane.
+    #[inline(always)]
+    fn add(&mut self, place: usize, lane: usize, x: f64) {
+        let [coarse, fine] = binned(x);
+        self.coarse[place][lane] += coarse;
+        self.fine[place][lane] += fine;
+    }
+
+    /// The sum in a place over all lanes.
+    pub fn total(&self, place: usize) -> ExactSum {
+        // Multiples of a quantum, which a number of 53 bits holds: exact, too.
+        let all = |lanes: &Lane| lanes.iter().fold(0.0, |sum, x| sum + x);
+        let mut total = ExactSum::of(all(&self.coarse[place]));
+        total.add(all(&self.fine[place]));
+        total
+    }
+}
+
 /// Sums over links: force, torque, `gain u`, and `gain`.
-pub type ExchangeSums = [Lane; 10];
+pub type ExchangeSums = LaneSums<10>;
 
 /// Sums over links: volume by which the wall receded, and weights.
-pub type Paid = [Lane; 2];
+pub type Paid = LaneSums<2>;
 
 /// Puts links where they stand around a body.
 pub struct PlaceLinks<'a> {
@@ -220,8 +255,9 @@ impl Work for CorrectMass<'_> {
             for k in 0..LANES {
                 let [cx, cy, cz] = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
                 let along = cx * eight.u[0][k] + cy * eight.u[1][k] + cz * eight.u[2][k];
-                own[0][k] += eight.weight[k] * along;
-                own[1][k] += eight.weight[k];
+                let counted = eight.weight[k] * eight.own_cell[k];
+                own.add(0, k, counted * along);
+                own.add(1, k, counted);
                 eight.push[k] -= self.rate * eight.weight[k];
             }
         }
@@ -249,11 +285,11 @@ impl Work for SumMomentumExchange<'_> {
                 let gain = eight.gain[k];
                 let link = LinkExchange::of(c, eight.sum[k], gain, u, arm);
                 for a in 0..3 {
-                    own[a][k] += link.force[a];
-                    own[3 + a][k] += link.torque[a];
-                    own[6 + a][k] += link.swept[a];
+                    own.add(a, k, link.force[a]);
+                    own.add(3 + a, k, link.torque[a]);
+                    own.add(6 + a, k, link.swept[a]);
                 }
-                own[9][k] += gain;
+                own.add(9, k, gain);
             }
         }
         *self.sums = own;

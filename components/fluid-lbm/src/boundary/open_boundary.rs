@@ -61,7 +61,7 @@
 //! normals. Where a link leaves through a wall and an open face at once, it belongs to the wall;
 //! there, and at two open faces, NEBB would lack equations and NEE takes its place.
 
-use crate::boundary::face_scheme::{FaceCell, FaceScheme, Gain, PostStreaming, items_of};
+use crate::boundary::face_scheme::{FaceCell, FaceItem, FaceScheme, Gain, PostStreaming, items_of};
 use crate::boundary::link_kernels::{LANES, Lane};
 use crate::boundary::nonequilibrium_extrapolation::{AddUp, Extrapolate, InnerCells, LookInside};
 use crate::boundary::open_area::OpenAreas;
@@ -72,9 +72,11 @@ use crate::domain::parameters::OpenFaces;
 use crate::lattice::cell_list::NONE;
 use crate::lattice::d3q19::{CS2, Q};
 use crate::lattice::error::FluidError;
+use crate::lattice::exact_sum::{ExactSum, values};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
@@ -133,6 +135,8 @@ struct Steering {
 #[derive(Clone, Debug)]
 struct OpenItem {
     cells: Range<usize>,
+    /// True if this part of the lattice counts them.
+    is_own: bool,
     /// Sum of the shares of its cells that are fluid.
     share: f64,
     /// For each cell of an absorbing face.
@@ -193,10 +197,11 @@ impl OpenFace {
             };
             OpenCell { at: *at, profile, share: mean * areas.of(at.cell) }
         };
-        let item = |cells: Range<usize>| OpenItem {
+        let item = |FaceItem { cells, is_own }: FaceItem| OpenItem {
             share: 0.0,
             means: vec![MeanFlow { velocity: f64::NAN, difference: 0.0 }; cells.len()],
             cells,
+            is_own,
             gain: Gain::default(),
             entering: 0,
         };
@@ -204,7 +209,7 @@ impl OpenFace {
             face,
             scheme,
             relax: 0.0,
-            items: items_of(cells.len()).map(item).collect(),
+            items: items_of(layout, cells).into_iter().map(item).collect(),
             cells: cells.iter().map(open_cell).collect(),
             steering: Steering::default(),
         }
@@ -216,15 +221,18 @@ impl OpenFace {
     }
 
     /// Compares what entered through a face with a velocity in a step, and what links brought to
-    /// its cells, with what was to, in a fluid of a mean density. Sums are in the order of the
-    /// items.
-    fn steer<T: Real>(&mut self, next: &PostStreaming<T>) {
+    /// its cells, with what was to, in a fluid of a mean density.
+    fn steer<T: Real>(&mut self, next: &PostStreaming<T>, ranks: &mut Ranks) {
         let BoundaryValue::Wall(velocity) = next.now[self.face] else { return };
         let inward = velocity[self.face / 2] * [1.0, -1.0][self.face % 2];
-        let (mut mass, mut share) = (next.brought[self.face].total(), 0.0);
-        for item in &self.items {
-            (mass, share) = (mass + item.gain.mass, share + item.share);
+        let mut sums = [ExactSum::default(); 2];
+        for item in self.items.iter().filter(|item| item.is_own) {
+            sums[0].add(item.gain.mass);
+            sums[1].add(item.share);
         }
+        ranks.add_up(&mut sums);
+        let [gain, share] = values(&sums);
+        let mass = next.brought[self.face].total() + gain;
         let Steering { more, most } = &mut self.steering;
         let wanted = next.density * inward * share;
         *most = most.max(wanted.abs());
@@ -236,7 +244,12 @@ impl OpenFace {
 }
 
 impl<T: Real> FaceScheme<T> for OpenFace {
-    fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
+    fn apply(
+        &mut self,
+        next: &PostStreaming<T>,
+        team: &mut Team,
+        ranks: &mut Ranks,
+    ) -> Result<(), FluidError> {
         let Self { cells, items, face, scheme, relax, steering, .. } = self;
         let view = FaceView {
             next,
@@ -247,16 +260,17 @@ impl<T: Real> FaceScheme<T> for OpenFace {
             more: steering.more,
         };
         team.for_each(items, |_, item| view.fill(&cells[item.cells.clone()], item));
-        self.steer(next);
+        self.steer(next, ranks);
         Ok(())
     }
 
     fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64)) {
-        self.items.iter().for_each(|item| add(item.gain.impulse, item.gain.mass));
+        let own = self.items.iter().filter(|item| item.is_own);
+        own.for_each(|item| add(item.gain.impulse, item.gain.mass));
     }
 
     fn entering(&self) -> usize {
-        self.items.iter().map(|item| item.entering).sum()
+        self.items.iter().filter(|item| item.is_own).map(|item| item.entering).sum()
     }
 
     fn bytes(&self) -> usize {

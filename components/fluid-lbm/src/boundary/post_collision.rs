@@ -16,7 +16,7 @@
 //! words of bits, row by row (see `sphere_links`, `near_cells`), those of parts as `mesh_links`
 //! says. They are done in batches: one loop does the geometry of the whole batch, one asks memory
 //! for places, one reads and writes populations, one adds up forces. Loops over a batch have no
-//! branches where vectors can do them. Sums run in eight lanes that are added in order.
+//! branches where vectors can do them. Sums run in eight lanes and depend on no order (`link_kernels`).
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
@@ -30,7 +30,7 @@ use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, OPPOSITE, Q, each};
 use crate::lattice::layout::Layout;
-use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::momentum_exchange::ExchangeTally;
 use crate::lattice::populations::{Field, Real};
 use tremie_team::Variant;
 
@@ -155,7 +155,7 @@ impl<T: Real> PostCollision<'_, T> {
         bodies: &Bodies,
         item: &mut LinkItem,
         batch: &mut Batch,
-    ) -> MomentumExchange {
+    ) -> ExchangeTally {
         let body = &bodies.living[item.body];
         batch.begin();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);

@@ -18,13 +18,13 @@ use crate::domain::boundary_condition::BoundaryCondition;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE};
-use crate::lattice::layout::Layout;
+use crate::lattice::layout::{Layout, items_in_blocks};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Reach;
 
-/// Links that are one item of work.
+/// Links that are one item of work at most; their first ends are in one block.
 const LINKS_PER_ITEM: usize = 1024;
 
 /// One end of a cut link: a cell, and the direction out of it.
@@ -48,6 +48,8 @@ pub struct SheetLinks {
 #[derive(Clone, Debug, Default)]
 pub struct SheetItem {
     links: Range<usize>,
+    /// True if this part of the lattice counts the cells of their first ends.
+    pub is_own: bool,
     /// The populations `g` at both ends of each; none at an end that is no fluid.
     sent: Vec<[Option<f64>; 2]>,
     /// Exchange of each fixture beyond that of the ends by themselves.
@@ -91,20 +93,20 @@ impl SheetLinks {
             own.links.push([end(cell, dir), end(other.0, other.1)]);
             own.fixtures.push(fixture);
         }
-        let starts = (0..own.links.len()).step_by(LINKS_PER_ITEM);
-        let items =
-            starts.map(|start| own.item(start..own.links.len().min(start + LINKS_PER_ITEM)));
+        let begins: Vec<u32> = own.links.iter().map(|ends| ends[0].cell).collect();
+        let items = items_in_blocks(&begins, LINKS_PER_ITEM);
+        let items = items.map(|links| own.item(layout.is_own(begins[links.start]), links));
         let items = items.collect();
         (own, items)
     }
 
-    fn item(&self, links: Range<usize>) -> SheetItem {
+    fn item(&self, is_own: bool, links: Range<usize>) -> SheetItem {
         let sent = vec![[None; 2]; links.len()];
         let mut fixtures = self.fixtures[links.clone()].to_vec();
         fixtures.sort_unstable_by_key(|fixture| fixture.0);
         fixtures.dedup();
         let exchanges = fixtures.into_iter().map(|fixture| (fixture, MomentumExchange::default()));
-        SheetItem { links, sent, exchanges: exchanges.collect() }
+        SheetItem { links, is_own, sent, exchanges: exchanges.collect() }
     }
 
     /// Cell and direction of both ends of each, sorted.

@@ -37,14 +37,14 @@ use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
-use crate::lattice::layout::Layout;
+use crate::lattice::layout::{Layout, block_of};
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 
-/// Cells that are one item of work.
+/// Cells that are one item of work at most, all of one block.
 const CELLS_PER_ITEM: usize = 1024;
 
 /// Bit of a link with `q < 1/2`: the other population is that of the cell behind.
@@ -128,6 +128,8 @@ pub struct StaticWallLinks {
 #[derive(Clone, Debug, Default)]
 pub struct WallItem {
     cells: Range<usize>,
+    /// True if this part of the lattice counts its cells.
+    pub is_own: bool,
     /// For each fixture that the item's links meet, their exchange.
     pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
     /// For each of these, whether it is a solid wall, whose links have to keep the mass.
@@ -183,9 +185,12 @@ impl StaticWallLinks {
         let mut patches = Patches::default();
         for (Blocked { cell, dir, fixture }, q) in blocked {
             if own.cells.last() != Some(&cell) {
-                if own.cells.len() % CELLS_PER_ITEM == 0 {
+                let is_full = items.last().is_none_or(|item| item.cells.len() == CELLS_PER_ITEM);
+                let of_other = |&last: &u32| block_of(last) != block_of(cell);
+                if is_full || own.cells.last().is_some_and(of_other) {
                     let start = own.cells.len();
-                    items.push(WallItem { cells: start..start, ..WallItem::default() });
+                    let is_own = layout.is_own(cell);
+                    items.push(WallItem { cells: start..start, is_own, ..WallItem::default() });
                 }
                 let item = items.last_mut().expect("an item was begun");
                 // A cell belongs to the patch of the fixture that its first link meets.

@@ -35,8 +35,8 @@ use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::cell_flags::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
+use crate::lattice::exact_sum::BinnedSum;
 use crate::lattice::layout::Layout;
-use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
 use tremie_fluid_kit::cells::grid::{Grid, Reach, Side};
 use tremie_fluid_kit::survey::mirrors::mirrors_of_part;
@@ -44,11 +44,14 @@ use tremie_fluid_kit::survey::mirrors::mirrors_of_part;
 /// Surfaces nearer than this part of a link are in contact.
 pub const CONTACT: f64 = 1e-3;
 
-/// Gaps of an item at most; those beyond count as the last.
-pub const ROOM: usize = 24;
+/// Gaps of an item for which there is room from the start.
+const ROOM: usize = 24;
+
+/// The weight `2 w_i` of a direction along two axes; that of one along one axis is twice as much.
+pub const FORCE_UNIT: f64 = 1.0 / 18.0;
 
 /// Other side of a gap: a fixture, a body's handle beyond [`OtherSide::BODIES`], or a frozen cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct OtherSide(u32);
 
 impl OtherSide {
@@ -71,6 +74,16 @@ impl OtherSide {
 
     fn fixture(BoundaryId(number): BoundaryId) -> Self {
         Self(number.into())
+    }
+
+    /// As a number, which is the same on all ranks.
+    pub fn number(self) -> u32 {
+        self.0
+    }
+
+    /// That of a number.
+    pub fn numbered(number: u32) -> Self {
+        Self(number)
     }
 
     /// A gap that the scene declares.
@@ -149,11 +162,13 @@ pub struct Gap {
     /// Other side of the gap.
     pub across: OtherSide,
     /// Sum over the fluid cells next to it of the density minus 1, and their number.
-    pub drho: f64,
+    pub drho: BinnedSum,
     /// See there.
-    pub cells: f64,
-    /// Force and torque on the body for each unit of `drho`.
-    pub load: [[f64; 3]; 2],
+    pub cells: u32,
+    /// Force on the body for each unit of `drho` [[`FORCE_UNIT`]].
+    pub force: [i32; 3],
+    /// Torque, likewise.
+    pub torque: [BinnedSum; 3],
 }
 
 /// The gaps of an item of links.
@@ -169,11 +184,16 @@ pub struct Gaps {
 }
 
 impl Gap {
-    /// One that nothing was found of.
-    pub const NONE: Self = Self::new(OtherSide::FROZEN);
+    fn new(across: OtherSide) -> Self {
+        let (drho, torque) = (BinnedSum::default(), [BinnedSum::default(); 3]);
+        Self { across, drho, cells: 0, force: [0; 3], torque }
+    }
 
-    const fn new(across: OtherSide) -> Self {
-        Self { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] }
+    /// Adds a fluid cell next to it.
+    #[inline]
+    pub fn see(&mut self, drho: f64) {
+        self.drho.add(drho);
+        self.cells += 1;
     }
 }
 
@@ -213,8 +233,12 @@ impl Gaps {
             self.felt.push(Felt { facet, gap: place as u16, force, at });
         }
         let gap = &mut self.list[place];
-        add_scaled(&mut gap.load[0], force, 1.0);
-        add_scaled(&mut gap.load[1], cross(at, force), 1.0);
+        // 2 w_i is 1/9 along an axis and 1/18 aslant.
+        let weight = if C[i].iter().map(|c| c * c).sum::<i32>() == 1 { 2 } else { 1 };
+        for (a, torque) in cross(at, force).into_iter().enumerate() {
+            gap.force[a] += weight * C[i][a];
+            gap.torque[a].add(torque);
+        }
         gap
     }
 
@@ -227,9 +251,7 @@ impl Gaps {
     fn place(&mut self, across: OtherSide) -> usize {
         let place = self.list.iter().position(|gap| gap.across == across);
         place.unwrap_or_else(|| {
-            if self.list.len() < ROOM {
-                self.list.push(Gap::new(across));
-            }
+            self.list.push(Gap::new(across));
             self.list.len() - 1
         })
     }
@@ -296,8 +318,7 @@ impl<T: Real> PostCollision<'_, T> {
         if let Some(gap) = self.press((bodies, body), link, (meeting, met), gaps) {
             for next in self.layout.places.neighbours(cell) {
                 if self.flags.is_fluid(next) {
-                    gap.drho += self.drho.get(next as usize);
-                    gap.cells += 1.0;
+                    gap.see(self.drho.get(next as usize));
                 }
             }
         }
@@ -313,9 +334,7 @@ impl<T: Real> PostCollision<'_, T> {
         gaps: &mut Gaps,
     ) {
         if let Some(gap) = self.press((bodies, body), link, (None, met), gaps) {
-            let drho = |cell: &u32| self.drho.get(*cell as usize);
-            gap.drho = witnesses.iter().map(drho).fold(gap.drho, |sum, drho| sum + drho);
-            gap.cells += witnesses.len() as f64;
+            witnesses.iter().for_each(|&cell| gap.see(self.drho.get(cell as usize)));
         }
     }
 
@@ -343,6 +362,9 @@ impl<T: Real> PostCollision<'_, T> {
         (meeting, met): (Option<(f64, u32)>, &mut MetInGap),
         gaps: &'g mut Gaps,
     ) -> Option<&'g mut Gap> {
+        if !self.layout.is_own(link.cell) {
+            return None;
+        }
         let (at, i) = (link.at, usize::from(link.dir));
         let c = C_F64[i];
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a]);

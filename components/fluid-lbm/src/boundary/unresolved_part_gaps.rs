@@ -22,6 +22,8 @@ use tremie_fluid_kit::cells::grid::Side;
 #[derive(Clone, Copy, Debug)]
 struct PartGapLink {
     across: OtherSide,
+    /// The cell where it ends, which the part covers.
+    cell: u32,
     dir: u8,
     /// The cell where it begins, as seen from the body.
     at: [i32; 3],
@@ -96,14 +98,13 @@ impl<T: Real> PostCollision<'_, T> {
                 gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));
             }
             // In contact there is no fluid to press.
-            if width <= CONTACT {
+            if width <= CONTACT || !self.layout.is_own(link.cell) {
                 continue;
             }
             let gap = gaps.add(link.across, arm, (link.dir.into(), link.q + by), hit.facet);
             for &cell in witnesses {
                 if self.flags.is_fluid(cell) {
-                    gap.drho += self.drho.get(cell as usize);
-                    gap.cells += 1.0;
+                    gap.see(self.drho.get(cell as usize));
                 }
             }
         }
@@ -179,6 +180,7 @@ impl LinkSearch<'_> {
         }
         gaps.links.push(PartGapLink {
             across,
+            cell,
             dir: i as u8,
             at,
             q: meeting.q,

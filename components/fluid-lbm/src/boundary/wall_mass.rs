@@ -35,7 +35,9 @@
 use crate::boundary::static_wall_links::WallItem;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{Q, W};
-use std::collections::HashMap;
+use crate::lattice::exact_sum::{ExactSum, values};
+use crate::ranks::rank_sums::Ranks;
+use std::collections::{BTreeMap, HashMap};
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_state::{StateError, StateExchange};
 
@@ -123,17 +125,21 @@ fn cube(grid: &Grid, at: [i32; 3], fixture: BoundaryId, reference: [f64; 3]) -> 
 struct PatchAccount {
     owed: f64,
     smoothed: f64,
-    gained: f64,
-    weight: f64,
+    /// What its links gave in this step, and the sum of their weights.
+    gained: ExactSum,
+    weight: ExactSum,
+    /// Mass that a link pays for each unit of weight.
+    pay: f64,
 }
 
 impl PatchAccount {
-    /// Settles what the links gave; returns what a link pays for each unit of weight.
-    fn settle(&mut self) -> f64 {
-        self.owed -= self.gained;
+    /// Settles what the links gave, and decides what they pay.
+    fn settle(&mut self) {
+        self.owed -= self.gained.value();
         self.smoothed += 4.0 * RATE * (self.owed - self.smoothed);
+        let weight = self.weight.value();
         // Without links there is nothing to pay at: it stays owed.
-        if self.weight > 0.0 { RATE * self.smoothed / self.weight } else { 0.0 }
+        self.pay = if weight > 0.0 { RATE * self.smoothed / weight } else { 0.0 };
     }
 }
 
@@ -143,6 +149,11 @@ pub struct Patches {
     /// Number of the patch in each cube that has one.
     numbers: HashMap<Cube, u32>,
     accounts: Vec<PatchAccount>,
+    /// The patches that have cells of several ranks, in an order that all ranks know, each with the number of its
+    /// account here, if it has one.
+    shared: Vec<Option<u32>>,
+    /// Of each account, whether another rank adds up what it owes.
+    is_elsewhere: Vec<bool>,
 }
 
 impl Patches {
@@ -173,44 +184,112 @@ impl Patches {
         let number = *self.numbers.entry(cube).or_insert(new);
         if number == new {
             self.accounts.push(PatchAccount::default());
+            self.is_elsewhere.push(false);
         }
         number
     }
 
-    /// Mass that links brought to the cells at each open face in this step, `2 axis + side` [cells
-    /// at density 1].
-    pub fn brought(items: &[WallItem]) -> [Brought; 6] {
-        let mut all = [Brought::default(); 6];
-        for patch in items.iter().flat_map(|item| &item.patches) {
-            if let Holder::Face(face) = patch.holder {
-                let brought = &mut all[usize::from(face)];
-                brought.by_parts += patch.gained;
-                brought.by_faces += patch.of_faces;
+    /// Finds out which patches have cells of several ranks.
+    pub fn share(&mut self, items: &[WallItem], ranks: &mut Ranks) {
+        if ranks.is_alone() {
+            return;
+        }
+        let mut counts = vec![false; self.accounts.len()];
+        for patch in items.iter().filter(|item| item.is_own).flat_map(|item| &item.patches) {
+            if let Holder::Account(number) = patch.holder {
+                counts[number as usize] = true;
             }
         }
-        all
+        let own = ranks.number() as i64;
+        let number = |(&(fixture, [x, y, z]), &account): (&Cube, &u32)| {
+            let counts = i64::from(counts[account as usize]);
+            [fixture.into(), x.into(), y.into(), z.into(), own, counts]
+        };
+        let numbers: Vec<i64> = self.numbers.iter().flat_map(number).collect();
+        let all = ranks.collect(&numbers);
+        // Those who hold a patch, and those of them who count cells of it.
+        let mut holders: BTreeMap<Cube, [Vec<i64>; 2]> = BTreeMap::new();
+        for known in all.chunks_exact(6) {
+            let cube = (known[0] as u16, [known[1] as i32, known[2] as i32, known[3] as i32]);
+            let [hold, count] = holders.entry(cube).or_default();
+            hold.push(known[4]);
+            if known[5] != 0 {
+                count.push(known[4]);
+            }
+        }
+        for (cube, [hold, count]) in holders.iter().filter(|(_, [hold, _])| hold.len() > 1) {
+            let account = self.numbers.get(cube).copied();
+            self.shared.push(account);
+            if let Some(account) = account {
+                let first = count.iter().min().or(hold.iter().min());
+                self.is_elsewhere[account as usize] = first != Some(&own);
+            }
+        }
     }
 
-    /// Settles all accounts at the end of a step, in the order of the items; returns what is owed.
-    pub fn settle(&mut self, items: &mut [WallItem]) -> f64 {
-        for account in &mut self.accounts {
-            (account.gained, account.weight) = (0.0, 0.0);
-        }
-        for patch in items.iter().flat_map(|item| &item.patches) {
-            if let Holder::Account(number) = patch.holder {
-                let account = &mut self.accounts[number as usize];
-                account.gained += patch.gained;
-                account.weight += patch.weight;
+    /// Mass that links brought to the cells at each open face in this step, `2 axis + side` [cells
+    /// at density 1].
+    pub fn brought(items: &[WallItem], ranks: &mut Ranks) -> [Brought; 6] {
+        let mut all = [[ExactSum::default(); 2]; 6];
+        for patch in items.iter().filter(|item| item.is_own).flat_map(|item| &item.patches) {
+            if let Holder::Face(face) = patch.holder {
+                let [by_parts, by_faces] = &mut all[usize::from(face)];
+                by_parts.add(patch.gained);
+                by_faces.add(patch.of_faces);
             }
         }
-        let mut owed = 0.0;
+        ranks.add_up(all.iter_mut().flatten());
+        all.map(|sums| {
+            let [by_parts, by_faces] = values(&sums);
+            Brought { by_parts, by_faces }
+        })
+    }
+
+    /// Settles all accounts at the end of a step; returns what is owed.
+    pub fn settle(&mut self, items: &mut [WallItem], ranks: &mut Ranks) -> f64 {
         for account in &mut self.accounts {
-            // From here on `gained` holds the mass that a link pays for each unit of weight.
-            account.gained = account.settle();
-            owed += account.owed;
+            (account.gained, account.weight) = Default::default();
         }
+        for patch in items.iter().filter(|item| item.is_own).flat_map(|item| &item.patches) {
+            if let Holder::Account(number) = patch.holder {
+                let account = &mut self.accounts[number as usize];
+                account.gained.add(patch.gained);
+                account.weight.add(patch.weight);
+            }
+        }
+        self.join_shared(ranks);
+        let mut owed = ExactSum::default();
+        for (account, is_elsewhere) in self.accounts.iter_mut().zip(&self.is_elsewhere) {
+            account.settle();
+            if !is_elsewhere {
+                owed.add(account.owed);
+            }
+        }
+        ranks.add_up([&mut owed]);
         self.let_pay(items);
-        owed
+        owed.value()
+    }
+
+    /// Adds up what patches with cells of several ranks took.
+    fn join_shared(&mut self, ranks: &mut Ranks) {
+        if self.shared.is_empty() {
+            return;
+        }
+        let of = |account: Option<u32>, accounts: &[PatchAccount]| {
+            account.map_or([ExactSum::default(); 2], |number| {
+                let PatchAccount { gained, weight, .. } = accounts[number as usize];
+                [gained, weight]
+            })
+        };
+        let mut sums: Vec<_> =
+            self.shared.iter().map(|&account| of(account, &self.accounts)).collect();
+        ranks.add_up(sums.iter_mut().flatten());
+        for (account, [gained, weight]) in self.shared.iter().zip(sums) {
+            if let Some(number) = account {
+                let account = &mut self.accounts[*number as usize];
+                (account.gained, account.weight) = (gained, weight);
+            }
+        }
     }
 
     /// Keeps what is owed and what the coming step pays, or puts it back, for these items too.
@@ -222,9 +301,9 @@ impl Patches {
         items: &mut [WallItem],
         state: &mut StateExchange<'_>,
     ) -> Result<(), StateError> {
-        let get = |account: &PatchAccount| [account.owed, account.smoothed, account.gained];
-        let set = |account: &mut PatchAccount, [owed, smoothed, gained]: [f64; 3]| {
-            *account = PatchAccount { owed, smoothed, gained, weight: 0.0 };
+        let get = |account: &PatchAccount| [account.owed, account.smoothed, account.pay];
+        let set = |account: &mut PatchAccount, [owed, smoothed, pay]: [f64; 3]| {
+            *account = PatchAccount { owed, smoothed, pay, ..PatchAccount::default() };
         };
         state.column("owed", &mut self.accounts, get, set)?;
         if state.restores() {
@@ -237,7 +316,7 @@ impl Patches {
     fn let_pay(&self, items: &mut [WallItem]) {
         for patch in items.iter_mut().flat_map(|item| &mut item.patches) {
             if let Holder::Account(number) = patch.holder {
-                patch.pay = self.accounts[number as usize].gained;
+                patch.pay = self.accounts[number as usize].pay;
             }
         }
     }
@@ -259,13 +338,15 @@ mod tests {
     /// grows.
     #[test]
     fn a_steady_loss_is_paid() {
-        let mut account = PatchAccount { weight: 3.0, ..PatchAccount::default() };
-        let (mut pay, mut most) = (0.0, 0.0_f64);
+        let weight = ExactSum::of(3.0);
+        let mut account = PatchAccount { weight, ..PatchAccount::default() };
+        let mut most = 0.0_f64;
         for _ in 0..6000 {
-            account.gained = 3.0 * pay - 1e-6;
-            pay = account.settle();
+            account.gained = ExactSum::of(3.0 * account.pay - 1e-6);
+            account.settle();
             most = most.max(account.owed);
         }
+        let pay = account.pay;
         assert!((3.0 * pay / 1e-6 - 1.0).abs() < 1e-6, "{pay}");
         assert!((account.owed / (1e-6 / RATE) - 1.0).abs() < 1e-6 && most < 1.2e-6 / RATE);
     }
@@ -274,14 +355,15 @@ mod tests {
     /// damp it.
     #[test]
     fn sound_is_not_paid() {
-        let mut account = PatchAccount { weight: 1.0, ..PatchAccount::default() };
+        let weight = ExactSum::of(1.0);
+        let mut account = PatchAccount { weight, ..PatchAccount::default() };
         let turn = std::f64::consts::TAU / 50.0;
-        let (mut pay, mut in_phase) = (0.0, 0.0);
+        let mut in_phase = 0.0;
         for step in 0..20_000 {
             let angle = turn * f64::from(step);
-            account.gained = pay + angle.cos();
-            in_phase += if step >= 10_000 { pay * angle.sin() / 5000.0 } else { 0.0 };
-            pay = account.settle();
+            account.gained = ExactSum::of(account.pay + angle.cos());
+            in_phase += if step >= 10_000 { account.pay * angle.sin() / 5000.0 } else { 0.0 };
+            account.settle();
         }
         // The mass owed is that sine, as large as 1 / turn.
         assert!((in_phase * turn).abs() < 1e-4, "{in_phase}");

@@ -3,7 +3,9 @@
 use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::domain::parameters::Parameters;
 use crate::fluid::lbm_fluid::LbmFluid;
+use crate::fluid::rank_shares::shares_of_ranks;
 use crate::fluid::signals::{FluidState, OF_FLUID, signals};
+use crate::ranks::communicator::Communicator;
 use crate::report::findings::{findings, limits};
 use crate::solver::diagnostics::Extreme;
 use std::collections::BTreeMap;
@@ -18,10 +20,12 @@ use tremie_sdk::messages::scene::DeformableSurface;
 use tremie_sdk::messages::start::signal_row::push;
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::{
-    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex,
+    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex, bytes_of,
+    values_of,
 };
 use tremie_sdk::state::{KeepsState, StateError, StateExchange};
 use tremie_sdk::{AsFluid, ControlPipe, Fluid, Setup, SolverError};
+use tremie_team::Variant;
 
 /// The lattice fluid behind the sdk's interface.
 pub struct LbmComponent {
@@ -46,6 +50,105 @@ pub struct LbmComponent {
 const CUT: &str = "velocity";
 /// Name of the volume.
 const LATTICE: &str = "lattice";
+
+impl LbmComponent {
+    /// The fluid of a run; where there is a `way`, the share of it that this rank computes.
+    ///
+    /// # Errors
+    /// Every problem of the input.
+    pub fn along(setup: &Setup, way: Option<Box<dyn Communicator>>) -> Result<Self, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let scene = &setup.hello.scene;
+        let step = setup.assigned()?.step;
+        let threads = setup.hello.threads.max(1) as usize;
+        let mut fluid = match way {
+            None => LbmFluid::new(scene, &parameters, step, threads)?,
+            Some(way) => {
+                let with = (threads, Variant::widest());
+                LbmFluid::with_ranks(scene, &parameters, step, with, way)?
+            }
+        };
+        fluid.choose_threads();
+        // The run watches it: `max_mach`.
+        fluid.allow_any_speed();
+        let facets = scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
+        let cells = fluid.diagnostics().fluid_cells as u64;
+        let cell = parameters.cell.0;
+        let density = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
+        // Square of the lattice's speed of sound, a third of (dx/dt)^2.
+        let sound = (cell / step) * (cell / step) / 3.0;
+        Ok(Self {
+            fluid,
+            cut: Cut::of(scene),
+            cells,
+            cell,
+            stiffness: density * sound,
+            means: SubstepMeans::new(facets),
+            on_parts: Vec::new(),
+            parts: PartLoads::new(scene),
+            walls: walls(scene).collect(),
+            on_facets: vec![FacetLoad::default(); facets],
+            reservoirs: Vec::new(),
+        })
+    }
+}
+
+impl LbmComponent {
+    /// What so many ranks have each of the lattice: sentences for the user.
+    ///
+    /// # Errors
+    /// What ranks cannot do, and more of them than there are blocks for.
+    pub fn shares(setup: &Setup, ranks: usize) -> Result<Vec<String>, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        shares_of_ranks(&parameters, &setup.hello.scene, ranks)
+    }
+}
+
+/// A fluid of which a rank tells only the cells that it counts; the others have the level [`ELSEWHERE`].
+struct CountedCells<'f>(&'f LbmFluid);
+
+/// Level of a cell that another rank counts, or none.
+const ELSEWHERE: u32 = u32::MAX;
+
+impl ObservedCells for CountedCells<'_> {
+    fn cells(&self) -> [usize; 3] {
+        self.0.cells()
+    }
+
+    fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
+        self.0.centre(cell)
+    }
+
+    fn node(&self, cell: [usize; 3]) -> frame::SliceNode {
+        if self.0.counts(cell) {
+            return ObservedCells::node(self.0, cell);
+        }
+        // What nobody counts is solid.
+        frame::SliceNode { solid: 1, level: ELSEWHERE, ..frame::SliceNode::default() }
+    }
+}
+
+/// Puts the nodes that this rank tells together with those of all ranks, on rank 0.
+fn join_nodes(fluid: &LbmFluid, nodes: &mut [frame::SliceNode]) {
+    let share = !fluid.is_whole();
+    let own = (0_u64..).zip(&*nodes).filter(|_| share).filter(|(_, node)| node.level != ELSEWHERE);
+    let bytes: Vec<u8> =
+        own.flat_map(|(number, node)| [bytes_of(&[number]), bytes_of(&[*node])].concat()).collect();
+    for node in nodes.iter_mut().filter(|node| node.level == ELSEWHERE) {
+        node.level = 0;
+    }
+    let length = size_of::<u64>() + size_of::<frame::SliceNode>();
+    for told in fluid.gather(&bytes).iter().flat_map(|bytes| bytes.chunks_exact(length)) {
+        let (number, node) = told.split_at(size_of::<u64>());
+        let numbers: Option<Vec<u64>> = values_of(number);
+        let told = numbers.zip(values_of(node));
+        if let Some((numbers, told)) = told
+            && let Some(node) = nodes.get_mut(numbers[0] as usize)
+        {
+            *node = told[0];
+        }
+    }
+}
 
 impl ObservedCells for LbmFluid {
     fn cells(&self) -> [usize; 3] {
@@ -126,33 +229,7 @@ impl Fluid for LbmComponent {
     }
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
-        let parameters: Parameters = setup.parameters()?;
-        let scene = &setup.hello.scene;
-        let step = setup.assigned()?.step;
-        let threads = setup.hello.threads.max(1) as usize;
-        let mut fluid = LbmFluid::new(scene, &parameters, step, threads)?;
-        fluid.choose_threads();
-        // The run watches it: `max_mach`.
-        fluid.allow_any_speed();
-        let facets = scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
-        let cells = fluid.diagnostics().fluid_cells as u64;
-        let cell = parameters.cell.0;
-        let density = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
-        // Square of the lattice's speed of sound, a third of (dx/dt)^2.
-        let sound = (cell / step) * (cell / step) / 3.0;
-        Ok(Self {
-            fluid,
-            cut: Cut::of(scene),
-            cells,
-            cell,
-            stiffness: density * sound,
-            means: SubstepMeans::new(facets),
-            on_parts: Vec::new(),
-            parts: PartLoads::new(scene),
-            walls: walls(scene).collect(),
-            on_facets: vec![FacetLoad::default(); facets],
-            reservoirs: Vec::new(),
-        })
+        Self::along(setup, None)
     }
 
     fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
@@ -247,11 +324,15 @@ impl Fluid for LbmComponent {
     }
 
     fn slice(&mut self, _name: &str, nodes: &mut [frame::SliceNode]) -> SliceHeader {
-        self.cut.fill(&self.fluid, self.cell, nodes)
+        let header = self.cut.fill(&CountedCells(&self.fluid), self.cell, nodes);
+        join_nodes(&self.fluid, nodes);
+        header
     }
 
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
-        fill_volume(&self.fluid, [self.cell; 3], grid, nodes)
+        let header = fill_volume(&CountedCells(&self.fluid), [self.cell; 3], grid, nodes);
+        join_nodes(&self.fluid, nodes);
+        header
     }
 }
 

@@ -8,6 +8,9 @@ use crate::lattice::d3q19::LINKS;
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Real;
+use crate::ranks::cell_shares::check_scene;
+use crate::ranks::communicator::Communicator;
+use crate::ranks::rank_sums::Ranks;
 use crate::report::resolution::Resolution;
 use crate::solver::diagnostics::{Diagnostics, Extreme, SliceNode};
 use crate::solver::lbm_solver::LbmSolver;
@@ -99,19 +102,57 @@ impl LbmFluid {
         threads: usize,
         variant: Variant,
     ) -> Result<Self, Vec<Problem>> {
+        Self::of_ranks(scene, parameters, time_step, (threads, variant), Ranks::default())
+    }
+
+    /// A share of the fluid as [`LbmFluid::with_variant`], whose other shares are where `way` leads. All ranks make
+    /// the same calls in the same order, and each gets all of the results, the same bits as one rank alone.
+    ///
+    /// # Errors
+    /// As [`LbmFluid::with_variant`], what ranks cannot do yet, and more ranks than the lattice has blocks for.
+    ///
+    /// # Panics
+    /// As [`LbmFluid::with_variant`].
+    pub fn with_ranks(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        (threads, variant): (usize, Variant),
+        way: Box<dyn Communicator>,
+    ) -> Result<Self, Vec<Problem>> {
+        Self::of_ranks(scene, parameters, time_step, (threads, variant), Ranks::along(way))
+    }
+
+    fn of_ranks(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        (threads, variant): (usize, Variant),
+        ranks: Ranks,
+    ) -> Result<Self, Vec<Problem>> {
         let (resolution, ground) = parameters.survey(scene)?;
-        let line = match parameters.precision {
-            Precision::F64 => f64::LINE,
-            Precision::F32 => f32::LINE,
-        };
+        if !ranks.is_alone() {
+            check_scene(scene)?;
+        }
+        let line = line_of(parameters.precision);
         // The solver works by the lattice's axes: `own` is the scene turned to them.
         let (axes, own, ground) = turned(scene, &resolution, ground, line);
         let mut solver = match parameters.precision {
             Precision::F64 => Either::F64(Box::new(LbmSolver::on(
-                ground, &own, parameters, time_step, threads, variant,
+                ground,
+                &own,
+                parameters,
+                time_step,
+                (threads, variant),
+                ranks,
             )?)),
             Precision::F32 => Either::F32(Box::new(LbmSolver::on(
-                ground, &own, parameters, time_step, threads, variant,
+                ground,
+                &own,
+                parameters,
+                time_step,
+                (threads, variant),
+                ranks,
             )?)),
         };
         if !scene.unions.is_empty() {
@@ -300,6 +341,25 @@ impl LbmFluid {
         self.axes.to_world(&solver!(&self.solver, s => s.lattice.cells()))
     }
 
+    /// True if this rank counts a cell: what it says of others may be out of date. One that is alone counts all.
+    pub fn counts(&self, cell: [usize; 3]) -> bool {
+        let cell = self.axes.to_lattice(&cell).map(|k| k as i32);
+        solver!(&self.solver, s => {
+            let layout = &s.lattice.layout;
+            layout.cell(cell).is_some_and(|cell| layout.is_own(cell))
+        })
+    }
+
+    /// True if no other rank computes a share of the fluid.
+    pub fn is_whole(&self) -> bool {
+        solver!(&self.solver, s => s.exec.ranks.is_alone())
+    }
+
+    /// Bytes of all ranks, in their order, on rank 0; nothing on others. All ranks ask at the same time.
+    pub fn gather(&self, bytes: &[u8]) -> Vec<Vec<u8>> {
+        solver!(&self.solver, s => s.exec.ranks.gather(bytes))
+    }
+
     /// Centre of a cell [m].
     pub fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
         let cell = self.axes.to_lattice(&cell);
@@ -359,9 +419,17 @@ impl KeepsState for LbmFluid {
     }
 }
 
+/// Cells of a line of memory.
+pub fn line_of(precision: Precision) -> usize {
+    match precision {
+        Precision::F64 => f64::LINE,
+        Precision::F32 => f32::LINE,
+    }
+}
+
 /// Axes with which the lattice is fast, the scene by them, and its geometry in lines of `line`
 /// cells, given that by the world's axes.
-fn turned<'a>(
+pub fn turned<'a>(
     scene: &'a Scene,
     resolution: &Resolution,
     ground: StaticGeometry,

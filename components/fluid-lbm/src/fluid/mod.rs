@@ -6,4 +6,6 @@ pub mod benchmark;
 pub mod component;
 pub mod lbm_fluid;
 #[cfg(feature = "component")]
+pub mod rank_shares;
+#[cfg(feature = "component")]
 pub mod signals;

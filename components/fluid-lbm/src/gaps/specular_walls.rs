@@ -30,7 +30,7 @@ use crate::lattice::cell_flags::{BODY, CellFlags, Owner, SHARED};
 use crate::lattice::d3q19::{C, C_F64, MIRROR, OPPOSITE, Q, W, mirrored};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
-use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::momentum_exchange::{ExchangeTally, MomentumExchange};
 use crate::lattice::populations::Real;
 use tremie_fluid_kit::cells::grid::{Reach, Side};
 use tremie_team::Team;
@@ -288,7 +288,9 @@ impl SpecularWalls {
 
     fn on(&self, wanted: Whose) -> MomentumExchange {
         let all = self.items.iter().flat_map(|item| &item.exchanges);
-        all.filter(|(whose, _)| *whose == wanted).map(|(_, own)| own).sum()
+        let mut sum = ExchangeTally::default();
+        all.filter(|(whose, _)| *whose == wanted).for_each(|(_, own)| sum.add(own));
+        sum.value()
     }
 }
 

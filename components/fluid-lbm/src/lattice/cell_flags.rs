@@ -7,6 +7,7 @@
 
 use crate::lattice::d3q19::Q;
 use crate::lattice::layout::Layout;
+use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 
 /// Owner of a cell.
@@ -50,12 +51,16 @@ pub struct CellFlags {
     pub covered: Vec<u32>,
     /// Fluid cells that were left without fluid neighbours in this step.
     pub enclosed: Vec<u32>,
-    /// Cells without fluid neighbours, at the end of the last step.
+    /// Cells without fluid neighbours, at the end of the last step; of those that are counted.
     pub isolated: usize,
-    /// Frozen cells of gaps and pockets.
+    /// Frozen cells of gaps and pockets; of those that are counted.
     pub frozen: usize,
-    /// Fluid cells.
+    /// Fluid cells among those that are counted.
     pub fluid_cells: usize,
+    /// Fluid cells among all that are stored.
+    stored_fluid: usize,
+    /// The cells that are counted, see `Layout::own`.
+    own: Range<u32>,
     changes: Option<Changes>,
 }
 
@@ -67,8 +72,8 @@ struct Changes {
 }
 
 impl CellFlags {
-    /// All of `cells` cells fluid.
-    pub fn new(cells: usize) -> Self {
+    /// All of `cells` cells fluid, of which some are counted.
+    pub fn new(cells: usize, own: Range<u32>) -> Self {
         let mut fluid = vec![0xff; cells / 8];
         fluid.push((1_u32 << (cells % 8)) as u8 - 1);
         // Words are read whole.
@@ -83,7 +88,9 @@ impl CellFlags {
             enclosed: Vec::new(),
             isolated: 0,
             frozen: 0,
-            fluid_cells: cells,
+            fluid_cells: own.len(),
+            stored_fluid: cells,
+            own,
             changes: None,
         }
     }
@@ -135,16 +142,18 @@ impl CellFlags {
         self.fluid.fill(0);
         self.held_twice.fill(0);
         (self.fluid_cells, self.isolated, self.frozen) = (0, 0, 0);
+        self.stored_fluid = 0;
         for (cell, &owner) in self.of.iter().enumerate() {
-            let bit = 1 << (cell % 8);
+            let (bit, counts) = (1 << (cell % 8), self.own.contains(&(cell as u32)));
             match owner {
                 FLUID => {
                     self.fluid[cell / 8] |= bit;
-                    self.fluid_cells += 1;
+                    self.stored_fluid += 1;
+                    self.fluid_cells += usize::from(counts);
                 }
                 SHARED => self.held_twice[cell / 8] |= bit,
-                ISOLATED => self.isolated += 1,
-                FROZEN => self.frozen += 1,
+                ISOLATED => self.isolated += usize::from(counts),
+                FROZEN => self.frozen += usize::from(counts),
                 _ => {}
             }
         }
@@ -237,7 +246,7 @@ impl CellFlags {
     /// True if every cell is fluid.
     #[inline(always)]
     pub fn all_fluid(&self) -> bool {
-        self.fluid_cells == self.of.len()
+        self.stored_fluid == self.of.len()
     }
 
     /// Memory that the map takes [bytes].
@@ -282,12 +291,16 @@ impl CellFlags {
         if (owner == SHARED) != (was == SHARED) {
             self.held_twice[cell / 8] ^= bit;
         }
-        self.fluid_cells += usize::from(owner == FLUID);
-        self.fluid_cells -= usize::from(was == FLUID);
-        self.isolated += usize::from(owner == ISOLATED);
-        self.isolated -= usize::from(was == ISOLATED);
-        self.frozen += usize::from(owner == FROZEN);
-        self.frozen -= usize::from(was == FROZEN);
+        self.stored_fluid += usize::from(owner == FLUID);
+        self.stored_fluid -= usize::from(was == FLUID);
+        if self.own.contains(&(cell as u32)) {
+            self.fluid_cells += usize::from(owner == FLUID);
+            self.fluid_cells -= usize::from(was == FLUID);
+            self.isolated += usize::from(owner == ISOLATED);
+            self.isolated -= usize::from(was == ISOLATED);
+            self.frozen += usize::from(owner == FROZEN);
+            self.frozen -= usize::from(was == FROZEN);
+        }
         self.note(cell as u32);
     }
 
@@ -426,7 +439,7 @@ mod tests {
 
     fn setup() -> (Layout, CellFlags, impl Fn([i32; 3]) -> u32) {
         let layout = Layout::open(Grid::walled([6, 6, 6], [true; 3]));
-        let flags = CellFlags::new(layout.cells.len());
+        let flags = CellFlags::new(layout.cells.len(), layout.own.clone());
         let place = {
             let layout = layout.clone();
             move |at| layout.cell(at).unwrap()

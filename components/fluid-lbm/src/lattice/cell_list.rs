@@ -66,14 +66,23 @@ pub struct CellList {
     words: Vec<Word>,
     /// For each stored cell its index in the box.
     at: Vec<u32>,
+    /// What links meet that end in a cell which is left out, though no solid covers it.
+    beyond: BoundaryId,
 }
 
 impl CellList {
-    /// Numbers the cells that are not solid.
-    pub fn new(grid: &Grid, obstacles: &Obstacles) -> Self {
+    /// Numbers the cells that are not solid and that `holds` wants, by their numbers among all that are not solid.
+    /// Links into others of these end `beyond`.
+    pub fn new(
+        grid: &Grid,
+        obstacles: &Obstacles,
+        (holds, beyond): (impl Fn(u32) -> bool, BoundaryId),
+    ) -> Self {
         let boxed = grid.len();
-        let is_stored = |index: usize| obstacles.solid.get(index).is_none_or(|&s| s == 0);
-        let at: Vec<u32> = (0..boxed).filter(|&k| is_stored(k)).map(|k| k as u32).collect();
+        let is_fluid = |index: usize| obstacles.solid.get(index).is_none_or(|&s| s == 0);
+        let all = (0..boxed).filter(|&index| is_fluid(index));
+        let held = (0..).zip(all).filter(|&(number, _)| holds(number));
+        let at: Vec<u32> = held.map(|(_, index)| index as u32).collect();
         let mut words = vec![Word::default(); boxed.div_ceil(32)];
         for &index in &at {
             words[index as usize / 32].bits |= 1 << (index % 32);
@@ -83,7 +92,7 @@ impl CellList {
             word.before = before;
             before += word.bits.count_ones();
         }
-        Self { words, at }
+        Self { words, at, beyond }
     }
 
     /// Number of stored cells.
@@ -124,9 +133,15 @@ impl CellList {
             Reach::Face { axis, side } => LinkEnd::BoundaryId(BoundaryId::face(axis, side)),
             Reach::Cell { at, mirrors } => match self.at(grid, at) {
                 Some(cell) => LinkEnd::Cell { cell, mirrors },
-                None => LinkEnd::BoundaryId(BoundaryId::solid(obstacles.solid[grid.index(at)] - 1)),
+                None => LinkEnd::BoundaryId(self.unstored(obstacles, grid.index(at))),
             },
         }
+    }
+
+    /// What a link meets that ends in a cell which is not stored.
+    fn unstored(&self, obstacles: &Obstacles, index: usize) -> BoundaryId {
+        let solid = obstacles.solid.get(index).and_then(|solid| solid.checked_sub(1));
+        solid.map_or(self.beyond, BoundaryId::solid)
     }
 
     /// Memory that the tables take [bytes].

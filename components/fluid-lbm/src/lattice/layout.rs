@@ -1,11 +1,34 @@
 //! Box, stored cells and places of populations, together.
 
 use crate::lattice::aa_pattern::{AaPattern, BlockedLinks, Parity};
-use crate::lattice::cell_list::CellList;
+use crate::lattice::cell_list::{BoundaryId, CellList};
 use crate::lattice::d3q19::{C, OPPOSITE, Q};
 use crate::lattice::populations::{Field, Real};
+use std::ops::Range;
 use tremie_fluid_kit::cells::grid::{Grid, Reach, Side};
 use tremie_fluid_kit::cells::obstacles::Obstacles;
+
+/// Cells of a block: consecutive ones, which collide as one item of work and belong to one rank. What is added up
+/// within a block is so in one order, whoever computes it.
+pub const CELLS_PER_BLOCK: u32 = 4096;
+
+/// Block of a cell.
+#[inline(always)]
+pub fn block_of(cell: u32) -> u32 {
+    cell / CELLS_PER_BLOCK
+}
+
+/// Pieces of a list of cells that may be items of work: `most` cells at most, all of one block.
+pub fn items_in_blocks(cells: &[u32], most: usize) -> impl Iterator<Item = Range<usize>> {
+    let mut first = 0;
+    std::iter::from_fn(move || {
+        let rest = cells.get(first..).filter(|rest| !rest.is_empty())?;
+        let block = block_of(rest[0]);
+        let count = rest.iter().take(most).take_while(|&&cell| block_of(cell) == block).count();
+        first += count;
+        Some(first - count..first)
+    })
+}
 
 /// Box, stored cells and places of populations.
 #[derive(Clone, Debug)]
@@ -16,31 +39,50 @@ pub struct Layout {
     pub cells: CellList,
     /// Places of their populations.
     pub places: AaPattern,
+    /// The cells that this part of the lattice counts: all of them, unless others compute parts of it. The rest
+    /// are copies of cells that others count.
+    pub own: Range<u32>,
     /// Stored cells from which links end at thin solids between cells, sorted.
     at_sheets: Vec<u32>,
 }
 
 impl Layout {
     /// Of a box with static solids, in lines of `line` cells. `special` says which fixtures' links
-    /// are returned one by one instead of being reflected half-way.
+    /// are returned one by one instead of being reflected half-way; `held` which cells are stored, see
+    /// [`CellList::new`].
     pub fn new(
         grid: Grid,
         obstacles: &Obstacles,
         line: usize,
-        special: impl Fn(crate::lattice::cell_list::BoundaryId) -> bool,
+        special: impl Fn(BoundaryId) -> bool,
+        held: (impl Fn(u32) -> bool, BoundaryId),
     ) -> (Self, BlockedLinks) {
-        let cells = CellList::new(&grid, obstacles);
+        let cells = CellList::new(&grid, obstacles, held);
         let (places, survey) = AaPattern::new(&grid, &cells, obstacles, line, special);
         let numbers = obstacles.sheets.iter().map(|sheet| cells.number(sheet.cell as usize));
         let mut at_sheets: Vec<_> = numbers.collect();
         at_sheets.dedup();
-        (Self { grid, cells, places, at_sheets }, survey)
+        let own = 0..cells.len() as u32;
+        (Self { grid, cells, places, own, at_sheets }, survey)
     }
 
     /// A box without solids.
     #[cfg(test)]
     pub fn open(grid: Grid) -> Self {
-        Self::new(grid, &Obstacles::default(), 8, |_| false).0
+        let all = (|_| true, BoundaryId::solid(0));
+        Self::new(grid, &Obstacles::default(), 8, |_| false, all).0
+    }
+
+    /// True if this part of the lattice counts a cell; see [`Layout::own`].
+    #[inline(always)]
+    pub fn is_own(&self, cell: u32) -> bool {
+        cell.wrapping_sub(self.own.start) < self.own.end - self.own.start
+    }
+
+    /// Numbers of the blocks of these cells.
+    pub fn own_blocks(&self) -> Range<usize> {
+        let end = self.own.end.div_ceil(CELLS_PER_BLOCK) as usize;
+        block_of(self.own.start) as usize..end
     }
 
     /// Number of a cell of the box, if it is stored.

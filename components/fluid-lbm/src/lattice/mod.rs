@@ -11,6 +11,7 @@ pub mod collision_kernel;
 pub mod contiguous_lines;
 pub mod d3q19;
 pub mod error;
+pub mod exact_sum;
 pub mod halfway_bounce_back;
 pub mod layout;
 pub mod ledger;

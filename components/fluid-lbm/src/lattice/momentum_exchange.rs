@@ -2,9 +2,10 @@
 //! 1994; Wen et al. 2014).
 
 use crate::lattice::d3q19::cross;
+use crate::lattice::exact_sum::{ExactSum, LIMBS, add_vector, values};
 use crate::lattice::ledger::add_scaled;
 use serde::{Deserialize, Serialize};
-use std::iter::Sum;
+use std::ops::AddAssign;
 
 /// Momentum, torque and mass that links exchanged in a step [lattice units].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -103,11 +104,113 @@ impl MomentumExchange {
     }
 }
 
-impl<'a> Sum<&'a Self> for MomentumExchange {
-    fn sum<I: Iterator<Item = &'a Self>>(all: I) -> Self {
-        all.fold(Self::default(), |mut sum, one| {
-            sum.join(one);
-            sum
-        })
+/// Sums of momentum exchange that depend on no order; see [`MomentumExchange`] for each.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExchangeTally {
+    /// Force, torque, and momentum that went to the fluid besides.
+    pub force: [ExactSum; 3],
+    /// See `force`.
+    pub torque: [ExactSum; 3],
+    /// See `force`.
+    pub swept: [ExactSum; 3],
+    /// Of the force and of `swept`, what the mirrored half of the fluid gave.
+    pub image: [ExactSum; 3],
+    /// See `image`.
+    pub image_swept: [ExactSum; 3],
+    /// Momentum that mirrors are reckoned to have given.
+    pub unmirrored: [ExactSum; 3],
+    /// Mass that went to the fluid.
+    pub mass: ExactSum,
+    /// Volume by which the wall receded, and the sum of `6 w_i`.
+    pub receded: ExactSum,
+    /// See `receded`.
+    pub weight: ExactSum,
+    /// Volume by which it receded from gaps that hold no fluid.
+    pub drawn: ExactSum,
+    /// Number of links, and of those that took the wall half-way.
+    pub links: usize,
+    /// See `links`.
+    pub fallbacks: usize,
+}
+
+impl ExchangeTally {
+    /// Numbers that carry a tally to other parts of a lattice.
+    pub const LIMBS: usize = 22 * LIMBS + 2;
+
+    /// Adds what a piece of a wall exchanged, in whatever order.
+    pub fn add(&mut self, piece: &MomentumExchange) {
+        add_vector(&mut self.force, piece.force);
+        add_vector(&mut self.torque, piece.torque);
+        add_vector(&mut self.swept, piece.swept);
+        add_vector(&mut self.image, piece.image);
+        add_vector(&mut self.image_swept, piece.image_swept);
+        add_vector(&mut self.unmirrored, piece.unmirrored);
+        self.mass.add(piece.mass);
+        self.receded.add(piece.receded);
+        self.weight.add(piece.weight);
+        self.drawn.add(piece.drawn);
+        self.links += piece.links;
+        self.fallbacks += piece.fallbacks;
+    }
+
+    /// Its sums, in one order.
+    fn sums(&mut self) -> impl Iterator<Item = &mut ExactSum> {
+        let vectors = [
+            &mut self.force,
+            &mut self.torque,
+            &mut self.swept,
+            &mut self.image,
+            &mut self.image_swept,
+            &mut self.unmirrored,
+        ];
+        let single = [&mut self.mass, &mut self.receded, &mut self.weight, &mut self.drawn];
+        vectors.into_iter().flatten().chain(single)
+    }
+
+    /// Appends numbers that may be added up with those of other tallies, each by itself.
+    pub fn put_limbs(&self, limbs: &mut Vec<i64>) {
+        let mut own = *self;
+        limbs.extend(own.sums().flat_map(|sum| sum.limbs()));
+        limbs.extend([self.links as i64, self.fallbacks as i64]);
+    }
+
+    /// The tally of [`ExchangeTally::LIMBS`] limbs, or sums of limbs.
+    pub fn from_limbs(limbs: &[i64]) -> Self {
+        let mut own = Self::default();
+        for (sum, limbs) in own.sums().zip(limbs.chunks_exact(LIMBS)) {
+            *sum = ExactSum::from_limbs(std::array::from_fn(|k| limbs[k]));
+        }
+        if let [.., links, fallbacks] = limbs {
+            (own.links, own.fallbacks) = (*links as usize, *fallbacks as usize);
+        }
+        own
+    }
+
+    /// The sums, each rounded once.
+    pub fn value(&self) -> MomentumExchange {
+        MomentumExchange {
+            force: values(&self.force),
+            torque: values(&self.torque),
+            swept: values(&self.swept),
+            image: values(&self.image),
+            image_swept: values(&self.image_swept),
+            unmirrored: values(&self.unmirrored),
+            mass: self.mass.value(),
+            receded: self.receded.value(),
+            weight: self.weight.value(),
+            drawn: self.drawn.value(),
+            links: self.links,
+            fallbacks: self.fallbacks,
+        }
+    }
+}
+
+impl AddAssign<&Self> for ExchangeTally {
+    fn add_assign(&mut self, other: &Self) {
+        let mut other = *other;
+        let (links, fallbacks) = (other.links, other.fallbacks);
+        self.sums().zip(other.sums()).for_each(|(own, other)| *own += *other);
+        self.links += links;
+        self.fallbacks += fallbacks;
     }
 }

@@ -28,6 +28,10 @@ pub trait Real: StateNumber + Copy + Send + Sync + PartialOrd + std::fmt::Debug 
     fn load(place: &Self::Atomic) -> Self;
     /// Writes without ordering.
     fn store(self, place: &Self::Atomic);
+    /// Writes its bytes to as many.
+    fn put(self, bytes: &mut [u8]);
+    /// The number of as many bytes.
+    fn get(bytes: &[u8]) -> Self;
 }
 
 /// A vector of numbers that the lattice stores.
@@ -55,6 +59,14 @@ macro_rules! real {
             #[inline(always)]
             fn store(self, place: &$atomic) {
                 place.store(self.to_bits(), Relaxed);
+            }
+            #[inline(always)]
+            fn put(self, bytes: &mut [u8]) {
+                bytes.copy_from_slice(&self.to_ne_bytes());
+            }
+            #[inline(always)]
+            fn get(bytes: &[u8]) -> Self {
+                Self::from_ne_bytes(std::array::from_fn(|k| bytes[k]))
             }
         }
     };

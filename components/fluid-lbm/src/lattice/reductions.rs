@@ -1,6 +1,7 @@
 //! Sums and extremes over cells, taken while they collide.
 
 use crate::lattice::collision::Moments;
+use crate::lattice::exact_sum::ExactSum;
 use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::Real;
 use serde::{Deserialize, Serialize};
@@ -33,16 +34,34 @@ impl CellStatistics {
         max_tau: 0.0,
     };
 
-    /// Adds another block.
+    /// Adds another piece of the same block.
     pub fn join(&mut self, other: &Self) {
         self.excess += other.excess;
         for a in 0..3 {
             self.j[a] += other.j[a];
         }
+        self.join_extremes(other);
+    }
+
+    /// Takes over what is more extreme in others.
+    fn join_extremes(&mut self, other: &Self) {
         self.speed2 = self.speed2.max(other.speed2);
         self.min_drho = self.min_drho.min(other.min_drho);
         self.max_drho = self.max_drho.max(other.max_drho);
         self.max_tau = self.max_tau.max(other.max_tau);
+    }
+
+    /// Those of blocks, which depend on no order of them.
+    pub fn of_blocks<'b>(blocks: impl Iterator<Item = &'b Self>) -> ([ExactSum; 4], Self) {
+        let (mut sums, mut all) = ([ExactSum::default(); 4], Self::NONE);
+        for block in blocks {
+            sums[0].add(block.excess);
+            for a in 0..3 {
+                sums[1 + a].add(block.j[a]);
+            }
+            all.join_extremes(block);
+        }
+        (sums, all)
     }
 }
 

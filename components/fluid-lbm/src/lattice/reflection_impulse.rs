@@ -9,7 +9,7 @@
 use crate::lattice::aa_pattern::Reflection;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, mirrored};
-use crate::lattice::ledger::add_scaled;
+use crate::lattice::exact_sum::ExactSum;
 use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Field, Real};
 use std::ops::Range;
@@ -163,23 +163,23 @@ impl ReflectionImpulse {
         }
     }
 
-    /// Adds the impulse of a block's runs to the face's in `mirrors`, `2 axis + side`, and to the
-    /// fixture's in `fixtures`. Of a mirror it is along its axis, into the fluid.
+    /// Adds the impulse of a block's runs at mirrors to the face's in `mirrors`, `2 axis + side`, along its axis,
+    /// into the fluid; and calls `at_fixture` with that of each other run.
     pub fn share(
         &self,
         block: usize,
         reflected: &[f64],
-        mirrors: &mut [[f64; 3]; 6],
-        fixtures: &mut [[f64; 3]],
+        mirrors: &mut [[ExactSum; 3]; 6],
+        mut at_fixture: impl FnMut(BoundaryId, [f64; 3]),
     ) {
         for (run, &sum) in self.runs(block).iter().zip(reflected) {
             if !run.is_mirror {
-                add_scaled(&mut fixtures[run.fixture.0 as usize], run.impulse, sum);
+                at_fixture(run.fixture, run.impulse.map(|impulse| impulse * sum));
                 continue;
             }
             for axis in 0..3 {
                 let impulse = run.impulse[axis];
-                mirrors[2 * axis + usize::from(impulse < 0.0)][axis] += impulse * sum;
+                mirrors[2 * axis + usize::from(impulse < 0.0)][axis].add(impulse * sum);
             }
         }
     }

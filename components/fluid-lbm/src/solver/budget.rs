@@ -1,7 +1,9 @@
 //! The balance of momentum and mass of a step, term by term; see [`Ledger`].
 
 use crate::bodies::body::Body;
+use crate::boundary::refill::Content;
 use crate::lattice::cell_list::BoundaryId;
+use crate::lattice::exact_sum::{ExactSum, add_vector, values};
 use crate::lattice::ledger::{Ledger, add_scaled};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
@@ -9,7 +11,6 @@ use crate::lattice::units::Units;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::lost_mass::Lost;
 use crate::solver::moving_bodies::MovingBodies;
-use crate::solver::open_boundaries::OpenBoundaries;
 use crate::solver::static_boundaries::StaticBoundaries;
 use tremie_state::{StateError, StateExchange};
 
@@ -20,8 +21,44 @@ pub struct Budget {
     pub balance: Ledger,
     /// In SI units.
     pub ledger: Ledger,
+    /// Cells that left the fluid and joined it in this step.
+    pub changed: Changed,
     /// Mass that the scheme lost since the start.
     pub lost: Lost,
+}
+
+/// What cells held that left the fluid, or hold that joined it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Contents {
+    j: [ExactSum; 3],
+    mass: ExactSum,
+}
+
+impl Contents {
+    /// Adds a cell.
+    pub fn add(&mut self, content: &Content) {
+        add_vector(&mut self.j, content.j);
+        self.mass.add(1.0 + content.drho);
+    }
+}
+
+/// What cells held that bodies covered or cut off in a step, and what those hold that they uncovered.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Changed {
+    /// Covered ones.
+    pub covered: Contents,
+    /// Those cut off.
+    pub isolated: Contents,
+    /// Uncovered ones.
+    pub uncovered: Contents,
+}
+
+impl Changed {
+    /// All sums.
+    pub fn sums(&mut self) -> impl Iterator<Item = &mut ExactSum> {
+        let all = [&mut self.covered, &mut self.isolated, &mut self.uncovered];
+        all.into_iter().flat_map(|Contents { j, mass }| j.iter_mut().chain([mass]))
+    }
 }
 
 impl Budget {
@@ -29,6 +66,7 @@ impl Budget {
     pub fn begin(&mut self, leaving: &[Body]) {
         let Ledger { momentum, mass, .. } = self.balance;
         self.balance = Ledger { momentum, mass, ..Ledger::default() };
+        self.changed = Changed::default();
         for body in leaving {
             add_scaled(&mut self.balance.dropped, body.carried[0], 1.0);
         }
@@ -72,14 +110,13 @@ impl Budget {
         }
     }
 
-    /// Adds what came through open faces, after walls: what the face replaced came through it, not
-    /// from them.
-    pub fn add_open_faces<T: Real>(&mut self, faces: &OpenBoundaries<T>, walls: &StaticBoundaries) {
+    /// Adds the momentum and mass that came through open faces, after walls: what the face replaced came through
+    /// it, not from them.
+    pub fn add_open_faces(&mut self, gained: [f64; 4], walls: &StaticBoundaries) {
         let balance = &mut self.balance;
-        faces.each_gain(|impulse, mass| {
-            add_scaled(&mut balance.open, impulse, 1.0);
-            balance.mass_open += mass;
-        });
+        let [x, y, z, mass] = gained;
+        balance.open = [x, y, z];
+        balance.mass_open = mass;
         for brought in &walls.brought {
             balance.mass_open += brought.total();
             balance.mass_walls -= brought.by_faces;
@@ -97,6 +134,16 @@ impl Budget {
         let mass = mass_before(lattice);
         self.balance.body_force = lattice.relaxation.acceleration.map(|a| a * mass);
         self.balance.frozen = std::array::from_fn(|a| pinched[a] - on_frozen[a]);
+    }
+
+    /// Adds what left with cells and came with them, once it is that of all ranks.
+    pub fn add_changed(&mut self) {
+        let (balance, Changed { covered, isolated, uncovered }) = (&mut self.balance, self.changed);
+        let out = |contents: &Contents| values(&contents.j).map(|j| -j);
+        (balance.covered, balance.mass_covered) = (out(&covered), -covered.mass.value());
+        (balance.isolated, balance.mass_isolated) = (out(&isolated), -isolated.mass.value());
+        (balance.uncovered, balance.mass_uncovered) =
+            (values(&uncovered.j), uncovered.mass.value());
     }
 
     /// Completes the balance: momentum and mass at the step's end are those before the collision
@@ -131,18 +178,18 @@ impl Budget {
         bodies: &MovingBodies,
     ) {
         let took = self.balance.mass_open + walls.through_parts() - self.balance.mass_change;
-        let (cells, mean) = (lattice.flags.fluid_cells, self.mean_density(lattice));
+        let (cells, mean) = (lattice.fluid_cells, self.mean_density(lattice));
         self.balance.mass_lost = self.lost.count(cells, took, bodies.receded(), mean);
         self.ledger.mass_lost = self.balance.mass_lost * lattice.units.mass();
     }
 
     /// Mean density of the fluid at the end of the step.
     pub fn mean_density<T: Real>(&self, lattice: &LatticeState<T>) -> f64 {
-        self.balance.mass / lattice.flags.fluid_cells.max(1) as f64
+        self.balance.mass / lattice.fluid_cells.max(1) as f64
     }
 }
 
 /// Mass of the fluid before the last collision.
 fn mass_before<T: Real>(lattice: &LatticeState<T>) -> f64 {
-    lattice.flags.fluid_cells as f64 + lattice.statistics.excess
+    lattice.fluid_cells as f64 + lattice.statistics.excess
 }

@@ -14,8 +14,9 @@ use crate::lattice::collision_kernel::{
     CellBlock, CollisionKernel, DensityRequests, Kernel, Sweep,
 };
 use crate::lattice::d3q19::dot;
+use crate::lattice::exact_sum::values;
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
-use crate::lattice::layout::Layout;
+use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
 use crate::lattice::populations::Field;
 use crate::lattice::reductions::CellStatistics;
 use crate::lattice::reflection_impulse::ReflectionImpulse;
@@ -25,9 +26,6 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_state::{StateError, StateExchange};
 use tremie_team::Variant;
-
-/// Cells that are one item of work of the collision. Blocks are added up in their order.
-const CELLS_PER_BLOCK: usize = 4096;
 
 /// The loop over all cells, and what it finds in passing.
 pub struct CollideAndStream<T: CollisionKernel> {
@@ -45,7 +43,7 @@ impl<T: CollisionKernel> CollideAndStream<T> {
     /// count.
     pub fn new(built: &Built<T>, references: &[[f64; 3]], variant: Variant) -> Self {
         let count = built.layout.places.lines().len();
-        let step = CELLS_PER_BLOCK / T::LINE;
+        let step = CELLS_PER_BLOCK as usize / T::LINE;
         let ranges: Vec<_> =
             (0..count).step_by(step).map(|first| first..(first + step).min(count)).collect();
         let tally = ReflectionImpulse::new(&built.reflections, &ranges, T::LINE);
@@ -96,7 +94,7 @@ impl<T: CollisionKernel> CollideAndStream<T> {
                 tally.sum_late(field, fluid, number, &mut block.reflected);
             });
         }
-        lattice.statistics = self.join_statistics();
+        self.join_statistics(lattice, exec);
     }
 
     /// Finds the statistics of the fluid as it stands, without a collision.
@@ -121,16 +119,27 @@ impl<T: CollisionKernel> CollideAndStream<T> {
             }
             block.survey = survey;
         });
-        lattice.statistics = self.join_statistics();
+        self.join_statistics(lattice, exec);
     }
 
-    /// Adds up the blocks.
-    fn join_statistics(&self) -> CellStatistics {
-        let mut all = CellStatistics::NONE;
-        for block in &self.blocks {
-            all.join(&block.survey);
-        }
-        all
+    /// Adds up the blocks, of all ranks.
+    fn join_statistics(&self, lattice: &mut LatticeState<T>, exec: &mut Execution) {
+        let own = self.own_blocks(&lattice.layout);
+        let (mut sums, mut all) = CellStatistics::of_blocks(own.map(|block| &block.survey));
+        let mut cells = [lattice.flags.fluid_cells as i64];
+        exec.ranks.add_up(&mut sums);
+        exec.ranks.count(&mut cells);
+        [all.speed2, all.min_drho, all.max_drho, all.max_tau] =
+            exec.ranks.largest([all.speed2, -all.min_drho, all.max_drho, all.max_tau]);
+        all.min_drho = -all.min_drho;
+        let [excess, j @ ..] = values(&sums);
+        lattice.statistics = CellStatistics { excess, j, ..all };
+        lattice.fluid_cells = cells[0] as usize;
+    }
+
+    /// The blocks whose cells this part of the lattice counts.
+    fn own_blocks(&self, layout: &Layout) -> impl Iterator<Item = &CellBlock> {
+        self.blocks[layout.own_blocks()].iter()
     }
 
     /// The fluid after the collision, whose links are to be reflected.

@@ -18,10 +18,15 @@
 //! Spheres alone are counted. A part that stands still lets no body pass.
 
 use crate::bodies::body_list::Bodies;
+use crate::lattice::exact_sum::ExactSum;
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::gap_model::GapModel;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::open_boundaries::OpenBoundaries;
+
+/// Faces that can have a reservoir.
+const FACES: usize = 6;
 
 /// Lets reservoirs lose what bodies across their faces have covered or cut off in this step, and gain
 /// what these have uncovered. Returns true if there were such bodies.
@@ -30,6 +35,7 @@ pub fn count_crossing<T: Real>(
     bodies: &Bodies,
     gaps: &GapModel,
     lattice: &LatticeState<T>,
+    ranks: &mut Ranks,
 ) -> bool {
     if faces.reservoirs.is_empty() {
         return false;
@@ -38,8 +44,9 @@ pub fn count_crossing<T: Real>(
     let covered = flags.covered.iter().chain(&flags.enclosed);
     let covered = covered.map(|&cell| (cell, gaps.holder_of(lattice, bodies, cell), -1.0));
     let uncovered = flags.vacated.iter().map(|vacated| (vacated.cell, Some(vacated.handle), 1.0));
-    let mut any = false;
-    for (cell, holder, sign) in covered.chain(uncovered) {
+    let (mut taken, mut cells) = ([ExactSum::default(); FACES], [0]);
+    let own = |cell: u32| lattice.layout.is_own(cell);
+    for (cell, holder, sign) in covered.chain(uncovered).filter(|(cell, ..)| own(*cell)) {
         let Some(body) = holder.and_then(|handle| bodies.find_living(handle)) else { continue };
         // The radius of a part reaches to its farthest point, which says nothing of a face beside it.
         if body.is_part() || bodies.newcomers.contains(&body.handle) {
@@ -47,9 +54,14 @@ pub fn count_crossing<T: Real>(
         }
         let across = faces.crossed_by(body.position, body.radius, &lattice.layout.grid);
         if let Some(face) = across {
-            face.take_back(sign * (1.0 + before.content(cell).drho));
-            any = true;
+            taken[face].add(sign * (1.0 + before.content(cell).drho));
+            cells[0] += 1;
         }
     }
-    any
+    ranks.add_up(&mut taken);
+    ranks.count(&mut cells);
+    for (face, mass) in faces.reservoirs.iter_mut().zip(taken) {
+        face.take_back(mass.value());
+    }
+    cells[0] > 0
 }

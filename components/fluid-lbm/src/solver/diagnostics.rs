@@ -4,9 +4,9 @@ use crate::lattice::d3q19::{CS2, Q, dot};
 use crate::lattice::error::FluidError;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::moving_bodies::MovingBodies;
-use crate::solver::open_boundaries::OpenBoundaries;
 use tremie_fluid_kit::observed::cut::layer;
 
 /// A summary of the flow, SI units.
@@ -66,6 +66,36 @@ pub enum Extreme {
     DensityDeviation,
 }
 
+/// A cell that stands out: by a number that is none, or else by a large one.
+#[derive(Clone, Copy, Debug)]
+struct Suspect {
+    value: f64,
+    is_lost: bool,
+    at: [i32; 3],
+}
+
+impl Suspect {
+    /// The one that stands out among those of all ranks: the first that is lost, else the first of the largest.
+    fn of_all(own: Option<Self>, ranks: &Ranks) -> Option<Self> {
+        let numbers = own.map_or(Vec::new(), |Self { value, is_lost, at: [x, y, z] }| {
+            vec![value.to_bits() as i64, is_lost.into(), x.into(), y.into(), z.into()]
+        });
+        let all = ranks.collect(&numbers);
+        let suspect = |numbers: &[i64]| Self {
+            value: f64::from_bits(numbers[0] as u64),
+            is_lost: numbers[1] != 0,
+            at: [numbers[2] as i32, numbers[3] as i32, numbers[4] as i32],
+        };
+        let mut all = all.chunks_exact(5).map(suspect);
+        let first = all.next()?;
+        let worse = |a: Self, b: Self| {
+            let is_worse = !a.is_lost && (b.is_lost || b.value > a.value);
+            if is_worse { b } else { a }
+        };
+        Some(all.fold(first, worse))
+    }
+}
+
 impl Diagnostics {
     /// Largest size of the relative deviation of the density.
     pub fn density_deviation(&self) -> f64 {
@@ -73,27 +103,24 @@ impl Diagnostics {
     }
 
     /// Of the fluid at the end of a step.
-    pub fn of<T: Real>(
-        lattice: &LatticeState<T>,
-        bodies: &MovingBodies,
-        faces: &OpenBoundaries<T>,
-    ) -> Self {
-        let (statistics, flags) = (&lattice.statistics, &lattice.flags);
+    pub fn of<T: Real>(lattice: &LatticeState<T>, bodies: &MovingBodies, entering: usize) -> Self {
+        let statistics = &lattice.statistics;
+        let [covered, uncovered, isolated, frozen] = lattice.counts.map(|count| count as usize);
         let speed = statistics.speed2.sqrt();
         Self {
             max_speed: speed * lattice.units.velocity(),
             max_mach: speed / CS2.sqrt(),
             min_density_deviation: statistics.min_drho,
             max_density_deviation: statistics.max_drho,
-            covered: flags.covered.len(),
-            uncovered: flags.vacated.len(),
-            isolated: flags.isolated,
-            frozen: flags.frozen,
+            covered,
+            uncovered,
+            isolated,
+            frozen,
             links: bodies.total.links,
             fallback_links: bodies.total.fallbacks,
-            fluid_cells: flags.fluid_cells,
+            fluid_cells: lattice.fluid_cells,
             max_tau: statistics.max_tau.max(lattice.tau),
-            entering: faces.entering(),
+            entering,
         }
     }
 }
@@ -114,7 +141,12 @@ impl<T: Real> LatticeState<T> {
     ///
     /// # Errors
     /// The cell where it is not.
-    pub fn check(&self, exchange: &MomentumExchange, mach_limit: f64) -> Result<(), FluidError> {
+    pub fn check(
+        &self,
+        exchange: &MomentumExchange,
+        mach_limit: f64,
+        ranks: &Ranks,
+    ) -> Result<(), FluidError> {
         let s = &self.statistics;
         let exchange = exchange.force.iter().chain(&exchange.torque);
         let finite = s.j.iter().chain([&s.excess]).chain(exchange).all(|x| x.is_finite());
@@ -122,29 +154,34 @@ impl<T: Real> LatticeState<T> {
         if finite && mach <= mach_limit {
             return Ok(());
         }
-        self.locate(mach_limit).map_or(Ok(()), Err)
+        self.locate(mach_limit, ranks).map_or(Ok(()), Err)
     }
 
     /// The first cell that is not finite, else the fastest one if it is too fast.
-    fn locate(&self, mach_limit: f64) -> Option<FluidError> {
-        let mut fastest: Option<(f64, [i32; 3])> = None;
-        for cell in (0..self.layout.cells.len() as u32).filter(|&c| self.flags.is_fluid(c)) {
+    fn locate(&self, mach_limit: f64, ranks: &Ranks) -> Option<FluidError> {
+        let mut worst: Option<Suspect> = None;
+        let own = self.layout.own.clone().filter(|&cell| self.flags.is_fluid(cell));
+        for cell in own {
             let h = self.before().populations(cell);
             if let Some(i) = h.iter().position(|h| !h.is_finite()) {
-                let at = self.layout.at(cell);
-                return Some(FluidError::NonFinite {
-                    cell: at.map(|k| k as usize),
-                    position: self.units.centre(at),
-                    value: format!("a population is {}", h[i]),
-                });
+                worst = Some(Suspect { value: h[i], is_lost: true, at: self.layout.at(cell) });
+                break;
             }
             let u = self.before().content(cell).velocity(self.relaxation.acceleration);
             let speed = dot(u, u).sqrt();
-            if fastest.is_none_or(|(most, _)| speed > most) {
-                fastest = Some((speed, self.layout.at(cell)));
+            if worst.is_none_or(|worst| speed > worst.value) {
+                worst = Some(Suspect { value: speed, is_lost: false, at: self.layout.at(cell) });
             }
         }
-        let (speed, at) = fastest?;
+        let Suspect { value, is_lost, at } = Suspect::of_all(worst, ranks)?;
+        if is_lost {
+            return Some(FluidError::NonFinite {
+                cell: at.map(|k| k as usize),
+                position: self.units.centre(at),
+                value: format!("a population is {value}"),
+            });
+        }
+        let speed = value;
         let mach = speed / CS2.sqrt();
         (mach > mach_limit).then(|| FluidError::Mach {
             cell: at.map(|k| k as usize),
@@ -157,9 +194,9 @@ impl<T: Real> LatticeState<T> {
     }
 
     /// Centre of the fluid cell in which a quantity is greatest now [m].
-    pub fn place_of(&self, extreme: Extreme) -> Option<[f64; 3]> {
-        let mut most: Option<(f64, u32)> = None;
-        for cell in (0..self.layout.cells.len() as u32).filter(|&c| self.flags.is_fluid(c)) {
+    pub fn place_of(&self, extreme: Extreme, ranks: &Ranks) -> Option<[f64; 3]> {
+        let mut most: Option<Suspect> = None;
+        for cell in self.layout.own.clone().filter(|&cell| self.flags.is_fluid(cell)) {
             let content = self.before().content(cell);
             let value = match extreme {
                 Extreme::Speed => {
@@ -168,11 +205,11 @@ impl<T: Real> LatticeState<T> {
                 }
                 Extreme::DensityDeviation => content.drho.abs(),
             };
-            if most.is_none_or(|(most, _)| value > most) {
-                most = Some((value, cell));
+            if most.is_none_or(|most| value > most.value) {
+                most = Some(Suspect { value, is_lost: false, at: self.layout.at(cell) });
             }
         }
-        most.map(|(_, cell)| self.units.centre(self.layout.at(cell)))
+        Suspect::of_all(most, ranks).map(|most| self.units.centre(most.at))
     }
 
     /// Values of a cell, SI units.

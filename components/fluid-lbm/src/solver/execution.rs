@@ -1,6 +1,7 @@
 //! Threads and vector instructions of a solver, and what each thread needs for itself.
 
 use crate::boundary::link_batch::Batch;
+use crate::ranks::rank_sums::Ranks;
 use std::time::Instant;
 use tremie_messages::Problem;
 use tremie_team::{Choice, Found, Team, Variant};
@@ -13,6 +14,8 @@ pub struct Execution {
     pub variant: Variant,
     /// Room for the links of a body, for each thread.
     pub batches: Vec<Batch>,
+    /// The ranks that compute the lattice together.
+    pub ranks: Ranks,
     /// The search for the faster of the whole team and one thread, once that may be tried, and its
     /// last result.
     choice: Option<Choice>,
@@ -24,7 +27,7 @@ impl Execution {
     ///
     /// # Errors
     /// Threads that the system does not give.
-    pub fn new(threads: usize, variant: Variant) -> Result<Self, Vec<Problem>> {
+    pub fn new(threads: usize, variant: Variant, ranks: Ranks) -> Result<Self, Vec<Problem>> {
         let team = Team::new("fluid", threads).map_err(|error| {
             vec![Problem::new(
                 "threads",
@@ -32,7 +35,7 @@ impl Execution {
             )]
         })?;
         let batches = (0..team.threads()).map(|_| Batch::default()).collect();
-        Ok(Self { team, variant, batches, choice: None, found: None })
+        Ok(Self { team, variant, batches, ranks, choice: None, found: None })
     }
 
     /// See [`crate::LbmFluid::choose_threads`].

@@ -152,7 +152,7 @@ pub fn load_facets<T: Real>(
 ) {
     for place in bodies.list.rigid()..bodies.list.living.len() {
         let body = &mut bodies.list.living[place];
-        let mut exchange: MomentumExchange = bodies.exchanges[body.items.clone()].iter().sum();
+        let mut exchange = bodies.of_bodies[place];
         if let Some(slip) = gaps.slip_on_body(body.handle) {
             exchange.join(&slip);
         }

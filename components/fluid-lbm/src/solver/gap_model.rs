@@ -12,7 +12,7 @@ use crate::lattice::layout::Layout;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use crate::solver::execution::Execution;
-use crate::solver::gap_pressure::{InGaps, Seen, UNKNOWN};
+use crate::solver::gap_pressure::{BodyGaps, ROOM};
 use crate::solver::lattice_state::LatticeState;
 use tremie_fluid_kit::cells::centres::Centres;
 use tremie_messages::scene::Scene;
@@ -28,10 +28,12 @@ pub struct GapModel {
     pub tables: GapTables,
     /// Links that slip in them.
     pub slip: SpecularWalls,
-    /// The gaps that each item of links found, if gaps press.
-    pub seen: Vec<Seen>,
-    /// Density minus 1 in the gaps of each item of links.
-    pub in_gaps: Vec<InGaps>,
+    /// The gaps of each body, if gaps press, and the densities minus 1 in them.
+    pub of_bodies: Vec<BodyGaps>,
+    /// See there.
+    pub drho: Vec<Vec<f64>>,
+    /// Density minus 1 in the gaps of each item of links, of surfaces that deform.
+    pub in_gaps: Vec<Vec<f64>>,
     /// Exchange of gaps without cells with each fixture.
     pub pressed: Vec<MomentumExchange>,
 }
@@ -64,7 +66,8 @@ impl GapModel {
                 SpecularWalls::default()
             },
             modelled,
-            seen: Vec::new(),
+            of_bodies: Vec::new(),
+            drho: Vec::new(),
             in_gaps: Vec::new(),
             pressed: vec![MomentumExchange::default(); boundaries.laws.len()],
         }
@@ -105,10 +108,12 @@ impl GapModel {
         }
     }
 
-    /// Makes room for what so many items of links find.
-    pub fn make_room(&mut self, items: usize) {
-        self.seen = vec![Seen::NONE; if self.feels_gaps() { items } else { 0 }];
-        self.in_gaps.resize(items, UNKNOWN);
+    /// Makes room for what so many items of links of so many bodies find.
+    pub fn make_room(&mut self, items: usize, bodies: usize) {
+        let bodies = if self.feels_gaps() { bodies } else { 0 };
+        self.of_bodies.resize_with(bodies, BodyGaps::with_room);
+        self.drho.resize_with(bodies, || Vec::with_capacity(ROOM));
+        self.in_gaps.resize(items, Vec::new());
     }
 
     /// Handle of the body that covers a cell or cut it off from the fluid.
@@ -170,6 +175,6 @@ impl GapModel {
         self.modelled.bytes()
             + self.tables.sinks.bytes()
             + self.tables.walls.as_ref().map_or(0, WallDistances::bytes)
-            + size_of_val(self.seen.as_slice())
+            + self.of_bodies.iter().map(BodyGaps::bytes).sum::<usize>()
     }
 }

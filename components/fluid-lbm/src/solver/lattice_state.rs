@@ -10,6 +10,8 @@ use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::reductions::CellStatistics;
 use crate::lattice::units::Units;
+use crate::ranks::halo::Halo;
+use crate::ranks::rank_sums::Ranks;
 use tremie_state::{StateError, StateExchange};
 
 /// Cells, populations and flags of a lattice.
@@ -32,8 +34,15 @@ pub struct LatticeState<T: Real> {
     pub parity: Parity,
     /// Steps done.
     pub steps: u64,
-    /// Sums and extremes over the fluid cells that the last collision found.
+    /// Sums and extremes over the fluid cells that the last collision found, of all ranks.
     pub statistics: CellStatistics,
+    /// Their number.
+    pub fluid_cells: usize,
+    /// Cells that bodies covered and uncovered in the last step, that are cut off, and that are frozen; of all
+    /// ranks.
+    pub counts: [i64; 4],
+    /// The copies of other ranks' cells.
+    pub halo: Halo,
 }
 
 impl<T: Real> LatticeState<T> {
@@ -42,7 +51,10 @@ impl<T: Real> LatticeState<T> {
         Self {
             units,
             field: Field::new(layout.places.stride()),
-            flags: CellFlags::new(layout.cells.len()),
+            halo: Halo::default(),
+            counts: [0; 4],
+            flags: CellFlags::new(layout.cells.len(), layout.own.clone()),
+            fluid_cells: layout.own.len(),
             changes: ChangeBlocks::new(&layout.grid),
             layout,
             relaxation,
@@ -63,6 +75,23 @@ impl<T: Real> LatticeState<T> {
         }
     }
 
+    /// Brings the copies of other ranks' cells up to date.
+    pub fn refresh_copies(&mut self, ranks: &mut Ranks) {
+        let Some(way) = ranks.way() else { return };
+        let Self { layout, field, parity, halo, .. } = self;
+        halo.begin(layout, field, *parity, way);
+        halo.end(layout, field, *parity, way);
+    }
+
+    /// Counts cells at the end of a step.
+    pub fn count_cells(&mut self, ranks: &mut Ranks) {
+        let (flags, layout) = (&self.flags, &self.layout);
+        let covered = flags.covered.iter().filter(|&&cell| layout.is_own(cell)).count();
+        let vacated = flags.vacated.iter().filter(|vacated| layout.is_own(vacated.cell)).count();
+        self.counts = [covered, vacated, flags.isolated, flags.frozen].map(|count| count as i64);
+        ranks.count(&mut self.counts);
+    }
+
     /// Time that has passed [s].
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.units.time_step
@@ -70,7 +99,7 @@ impl<T: Real> LatticeState<T> {
 
     /// Mean density of the fluid in the last collision.
     pub fn mean_density(&self) -> f64 {
-        1.0 + self.statistics.excess / (self.flags.fluid_cells as f64).max(1.0)
+        1.0 + self.statistics.excess / (self.fluid_cells as f64).max(1.0)
     }
 
     /// Notes where cells joined the fluid or left it in this step.
@@ -96,6 +125,8 @@ impl<T: Real> LatticeState<T> {
         self.flags.exchange(state, is_alive)?;
         state.value("steps", &mut self.steps)?;
         state.value("statistics", &mut self.statistics)?;
+        self.fluid_cells = self.flags.fluid_cells;
+        self.count_cells(&mut Ranks::default());
         self.parity = Parity::after(self.steps);
         Ok(())
     }

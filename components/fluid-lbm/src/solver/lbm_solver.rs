@@ -8,8 +8,12 @@ use crate::domain::parameters::{Collision, Parameters, Refill};
 use crate::lattice::collision::Relaxation;
 use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::error::FluidError;
+use crate::lattice::exact_sum::values;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::units::Units;
+use crate::ranks::cell_shares::{CellShares, largest_to_vanish};
+use crate::ranks::halo::Halo;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::budget::Budget;
 use crate::solver::collide_and_stream::CollideAndStream;
 use crate::solver::crossing_bodies::count_crossing;
@@ -18,7 +22,6 @@ use crate::solver::diagnostics::{Diagnostics, Extreme};
 use crate::solver::execution::Execution;
 use crate::solver::facet_loads;
 use crate::solver::gap_model::GapModel;
-use crate::solver::gap_pressure::Seen;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::loads;
 use crate::solver::mass_correction::settle_bodies;
@@ -76,7 +79,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         variant: Variant,
     ) -> Result<Self, Vec<Problem>> {
         let (_, ground) = parameters.survey(scene)?;
-        Self::on(ground, scene, parameters, time_step, threads, variant)
+        Self::on(ground, scene, parameters, time_step, (threads, variant), Ranks::default())
     }
 
     /// On the static geometry of a scene; see [`crate::LbmFluid::with_variant`].
@@ -85,8 +88,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         scene: &Scene,
         parameters: &Parameters,
         time_step: f64,
-        threads: usize,
-        variant: Variant,
+        (threads, variant): (usize, Variant),
+        ranks: Ranks,
     ) -> Result<Self, Vec<Problem>> {
         let fluid = scene.fluid.as_ref().expect("a scene that was resolved has a fluid");
         let mut problems = Vec::new();
@@ -94,7 +97,9 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let exec = Execution::new(threads, variant)?;
+        let radius = largest_to_vanish(scene) / parameters.cell.0;
+        let shares = shares_of(&ground, &ranks, radius)?;
+        let mut exec = Execution::new(threads, variant, ranks)?;
         let units = Units {
             cell: parameters.cell.0,
             time_step,
@@ -105,7 +110,9 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let tau = parameters.tau_of(time_step, fluid.viscosity / fluid.density);
         let upright = ground.upright;
         let mut boundaries = Boundaries::new(scene, ground, parameters, &units);
-        let mut built = boundaries.build::<T>();
+        let rank = exec.ranks.number();
+        let window = shares.as_ref().map(|shares| shares.window(rank));
+        let mut built = boundaries.build::<T>(&mut exec.ranks, window.as_ref());
         let bodies = bodies_of(scene, parameters, &units, upright, &mut boundaries);
         let collision = CollideAndStream::new(&built, &boundaries.references, variant);
         let gaps = GapModel::new(scene, parameters, &boundaries, &built.layout, centres, tau);
@@ -113,13 +120,16 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let faces = OpenBoundaries::new(&mut built);
         let relaxation = relaxation_of(parameters, fluid, &units, tau);
         let mut lattice = LatticeState::new(built.layout, units, relaxation, tau);
+        if let Some(shares) = &shares {
+            lattice.halo = Halo::new(shares, rank, &lattice.layout, size_of::<T>());
+        }
         // Links that slip and mouths of gaps are searched anew only around cells that changed.
         if !gaps.modelled.is_empty() {
             lattice.flags.list_changes();
         }
         let mut solver = Self {
-            probes: Probes::new(&scene.probes, &lattice.layout, &centres),
-            ports: PortFaces::new(scene, &lattice.layout, &centres),
+            probes: Probes::new(&scene.probes, &lattice.layout, &centres, &mut exec.ranks),
+            ports: PortFaces::new(scene, &lattice.layout, &centres, &mut exec.ranks),
             pinched: Pinched::among(lattice.layout.cells.len()),
             lattice,
             collision,
@@ -167,7 +177,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
             *distances = walls.conditions.wall_distances(&lattice.layout, ends);
         }
         bodies.list_links(gaps.feels_gaps(), [gaps.modelled.len(), gaps.tables.sinks.len()]);
-        gaps.make_room(bodies.links.len());
+        gaps.make_room(bodies.links.len(), bodies.list.living.len());
         let changes = bodies.most_changes();
         lattice.flags.reserve(changes);
         bodies.refills.reserve(changes.saturating_sub(bodies.refills.len()));
@@ -177,7 +187,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// See [`crate::LbmFluid::set_state`].
     pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
         self.lattice.set_state(state);
-        self.faces.fill_reservoirs(&self.lattice);
+        self.faces.fill_reservoirs(&self.lattice, &mut self.exec.ranks);
         self.collision.measure(&mut self.lattice, &mut self.exec);
         self.budget.begin(&self.bodies.list.leaving);
         self.close_budget(false);
@@ -194,7 +204,6 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.bodies.list.forget_events();
         self.collision.measure(&mut self.lattice, &mut self.exec);
         self.bodies.forget_exchange();
-        self.gaps.seen.fill(Seen::NONE);
         self.assemble_loads(loads);
         self.close_budget(false);
         self.settle_accounts();
@@ -221,7 +230,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         // Cells change between fluid and solid; what bodies uncover is refilled before it collides.
         self.update_cover(states);
         // Fluid and bodies that enter have the volume of the piston's way together.
-        if count_crossing(&mut self.faces, &self.bodies.list, &self.gaps, &self.lattice) {
+        let Self { faces, bodies, gaps, lattice, exec, .. } = self;
+        if count_crossing(faces, &bodies.list, gaps, lattice, &mut exec.ranks) {
             self.budget.lost.change();
         }
         self.bodies.list.forget_events();
@@ -237,6 +247,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.faces.apply(&self.lattice, &self.walls, &mut self.exec)?;
         // j(t + 1) = -j(t) where nothing flows through: the mean of both (Zanetti 1989).
         self.pinched.calm(&self.lattice);
+        self.lattice.refresh_copies(&mut self.exec.ranks);
         // F = sum g_i (c_i - u_w) - f_i' (c_i' - u_w) (Wen et al. 2014), gaps, images, buoyancy.
         self.assemble_loads(loads);
         self.close_budget(true);
@@ -246,7 +257,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let before = self.lattice.before();
         let (flags, bodies, now) = (&self.lattice.flags, &self.bodies.list, &self.walls.now[..]);
         let sight = Sight { before, flags, bodies, now };
-        self.probes.look(&mut self.exec.team, &sight, self.lattice.steps);
+        let with = (&mut self.exec.team, &mut self.exec.ranks);
+        self.probes.look(with, &sight, self.lattice.steps);
         Ok(())
     }
 
@@ -281,7 +293,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// walls: at a cell between both they read what the wall's links change in place.
     fn bounce_back(&mut self) -> Result<(), FluidError> {
         let Self { lattice, collision, bodies, walls, faces, gaps, exec, .. } = self;
-        let GapModel { tables, modelled, slip, seen, .. } = gaps;
+        let GapModel { tables, modelled, slip, .. } = gaps;
         let after = collision.after(lattice, tables, bodies.keeps_mass, exec.variant);
         let any_cut = bodies.read_cuts(&after, exec);
         faces.read_surfaces(&after, exec);
@@ -289,7 +301,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
             slip.read(&after, &bodies.list, &mut exec.team);
         }
         modelled.reflect(&after);
-        bodies.bounce_back(&after, seen, exec);
+        bodies.bounce_back(&after, exec);
         walls.prescribe(lattice.time(), lattice.units.time_step);
         walls.bounce_back(&after, exec);
         if tables.slips {
@@ -305,34 +317,40 @@ impl<T: CollisionKernel> LbmSolver<T> {
     fn assemble_loads(&mut self, loads: &mut [Load]) {
         let Self { lattice, bodies, walls, gaps, budget, exec, .. } = self;
         let (grid, references) = (&lattice.layout.grid, &walls.conditions.references);
-        gaps.press_on(&mut bodies.list, grid, references, exec);
+        gaps.press_on(&mut bodies.list, &bodies.links, (grid, references), exec);
         bodies.total = MomentumExchange::default();
+        bodies.join_exchanges(&mut exec.ranks);
         facet_loads::load_facets(lattice, bodies, gaps, budget, exec);
         loads::assemble(lattice, bodies, gaps, budget, loads);
     }
 
     /// Completes the balance of a step, which may have been without a collision.
     fn close_budget(&mut self, collided: bool) {
-        let Self { lattice, collision, bodies, walls, faces, gaps, budget, .. } = self;
+        let Self { lattice, collision, bodies, walls, faces, gaps, budget, exec, .. } = self;
         let slip = gaps.tables.slips.then_some(&gaps.slip);
-        let (blocks, tally) = (&collision.blocks, &collision.tally);
-        let mirrors = walls.join_exchanges(blocks, tally, slip, &faces.surfaces);
+        let (ranks, tally) = (&mut exec.ranks, &collision.tally);
+        let blocks = (&collision.blocks[..], lattice.layout.own_blocks());
+        let mirrors = walls.join_exchanges(blocks, tally, slip, &faces.surfaces, ranks);
+        ranks.add_up(self.pinched.impulse.iter_mut().chain(budget.changed.sums()));
+        budget.add_changed();
         if collided {
-            budget.add_forces(lattice, self.pinched.impulse, gaps.modelled.impulse);
+            budget.add_forces(lattice, values(&self.pinched.impulse), gaps.modelled.impulse);
             budget.add_bodies(&bodies.total, mirrors);
             budget.add_walls(walls);
-            budget.add_open_faces(faces, walls);
+            budget.add_open_faces(faces.gained(ranks), walls);
+            faces.count_entering(ranks);
         }
         for (fixture, pressed) in walls.exchanges.iter_mut().zip(&gaps.pressed) {
             fixture.join(pressed);
         }
         budget.close(lattice);
+        lattice.count_cells(&mut exec.ranks);
     }
 
     /// Settles the accounts of walls and bodies at the end of a step, once its balance is known.
     fn settle_accounts(&mut self) {
-        let Self { lattice, bodies, walls, gaps, budget, .. } = self;
-        let of_walls = walls.patches.settle(&mut walls.items);
+        let Self { lattice, bodies, walls, gaps, budget, exec, .. } = self;
+        let of_walls = walls.patches.settle(&mut walls.items, &mut exec.ranks);
         let of_bodies = settle_bodies(bodies, gaps, budget.mean_density(lattice));
         budget.note_owed(of_walls + of_bodies, &lattice.units);
     }
@@ -340,22 +358,22 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// Begins the account of lost mass anew: nothing is lost.
     fn lose_nothing(&mut self) {
         self.walls.patches.forgive(&mut self.walls.items);
-        self.budget.lost.restart(self.lattice.flags.fluid_cells);
+        self.budget.lost.restart(self.lattice.fluid_cells);
     }
 
     /// See [`crate::LbmFluid::diagnostics`].
     pub fn diagnostics(&self) -> Diagnostics {
-        Diagnostics::of(&self.lattice, &self.bodies, &self.faces)
+        Diagnostics::of(&self.lattice, &self.bodies, self.faces.entering)
     }
 
     /// See [`crate::LbmFluid::check`].
     pub fn check(&self) -> Result<(), FluidError> {
-        self.lattice.check(&self.bodies.total, self.mach_limit)
+        self.lattice.check(&self.bodies.total, self.mach_limit, &self.exec.ranks)
     }
 
     /// See [`crate::LbmFluid::place_of`].
     pub fn place_of(&self, extreme: Extreme) -> Option<[f64; 3]> {
-        self.lattice.place_of(extreme)
+        self.lattice.place_of(extreme, &self.exec.ranks)
     }
 
     /// See [`crate::LbmFluid::surface_loads`].
@@ -371,12 +389,13 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// See [`crate::LbmFluid::probes`].
     pub fn probes(&mut self, values: &mut Vec<f64>) {
         let LatticeState { flags, units, .. } = &self.lattice;
-        self.probes.read(&mut self.exec.team, &self.lattice.before(), flags, units, values);
+        let with = (&mut self.exec.team, &mut self.exec.ranks);
+        self.probes.read(with, &self.lattice.before(), flags, units, values);
     }
 
     /// See [`crate::LbmFluid::ports`].
     pub fn ports(&mut self) -> &[PortState] {
-        self.ports.measure(&self.lattice, &mut self.exec.team)
+        self.ports.measure(&self.lattice, &mut self.exec)
     }
 
     /// See [`crate::LbmFluid::memory_bytes`].
@@ -389,6 +408,18 @@ impl<T: CollisionKernel> LbmSolver<T> {
             + self.gaps.bytes()
             + self.pinched.bytes()
     }
+}
+
+/// The shares of ranks that compute a lattice together; none for one that is alone.
+fn shares_of(
+    ground: &StaticGeometry,
+    ranks: &Ranks,
+    radius: f64,
+) -> Result<Option<CellShares>, Vec<Problem>> {
+    let Some(count) = ranks.count_of_many() else { return Ok(None) };
+    let shares = CellShares::new(&ground.grid, &ground.voxels.obstacles, (count, radius));
+    let problem = |text: String| vec![Problem::of_parameter("launch", text)];
+    shares.map(Some).map_err(problem)
 }
 
 /// No bodies yet, with what they can be in a scene.
@@ -415,6 +446,7 @@ fn bodies_of(
         awaited: AwaitedSurfaces::new(scene, step),
         links: Vec::new(),
         exchanges: Vec::new(),
+        of_bodies: Vec::new(),
         total: MomentumExchange::default(),
         refills: Vec::new(),
         keeps_mass: parameters.refill == Refill::Mass,

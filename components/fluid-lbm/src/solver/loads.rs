@@ -3,7 +3,6 @@
 
 use crate::bodies::body::Body;
 use crate::lattice::ledger::add_scaled;
-use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use crate::solver::budget::Budget;
 use crate::solver::gap_model::GapModel;
@@ -24,9 +23,9 @@ pub fn assemble<T: Real>(
     let units = &lattice.units;
     let (force_unit, torque_unit) = (units.force(), units.force() * units.cell);
     let (balance, grid) = (&mut budget.balance, &lattice.layout.grid);
-    let MovingBodies { list, exchanges, total, average_force, lift, .. } = bodies;
-    for (body, load) in list.living.iter_mut().zip(loads) {
-        let mut exchange: MomentumExchange = exchanges[body.items.clone()].iter().sum();
+    let MovingBodies { list, of_bodies, total, average_force, lift, .. } = bodies;
+    for ((body, load), exchange) in list.living.iter_mut().zip(loads).zip(of_bodies) {
+        let mut exchange = *exchange;
         if body.is_part()
             && let Some(slip) = gaps.slip_on_body(body.handle)
         {

@@ -29,7 +29,6 @@
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
 
-use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use crate::solver::gap_model::GapModel;
 use crate::solver::lattice_state::LatticeState;
@@ -67,7 +66,7 @@ pub fn credit(bodies: &mut MovingBodies, handle: u32, drho: f64) {
 /// Settles the accounts of bodies at the end of a step in a fluid of a mean density; returns what
 /// they owe.
 pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) -> f64 {
-    let MovingBodies { list, links, exchanges, keeps_mass, .. } = bodies;
+    let MovingBodies { list, links, of_bodies, keeps_mass, .. } = bodies;
     if !*keeps_mass {
         return 0.0;
     }
@@ -75,12 +74,11 @@ pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) 
     let parts = list.living.iter().filter(|body| body.is_part());
     let of_parts = parts.flat_map(|body| &links[body.items.clone()]);
     let mut left = gaps.tables.sinks.receive(of_parts);
-    for body in &mut list.living {
-        let (mut all, mut taken) = (MomentumExchange::default(), 0.0);
-        for number in body.items.clone() {
-            all.join(&exchanges[number]);
-            // Grains draw nothing in, and give nothing.
-            let Some(item) = body.is_part().then(|| &links[number]) else { continue };
+    for (body, exchange) in list.living.iter_mut().zip(of_bodies) {
+        let (mut all, mut taken) = (*exchange, 0.0);
+        // Grains draw nothing in, and give nothing.
+        let items = if body.is_part() { body.items.clone() } else { 0..0 };
+        for item in &links[items] {
             // The body does not owe the mass that links gave to intakes.
             all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
             for (gap, drawn) in (0..).zip(&item.gaps.drawn) {

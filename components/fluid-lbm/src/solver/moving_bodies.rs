@@ -2,13 +2,12 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::boundary::link_batch::Batch;
 use crate::boundary::post_collision::{LinkItem, PostCollision, items};
-use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::momentum_exchange::{ExchangeTally, MomentumExchange};
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::deformable_surfaces::AwaitedSurfaces;
 use crate::solver::execution::Execution;
-use crate::solver::gap_pressure::Seen;
 use crate::solver::moving_boundaries::Filled;
 use tremie_team::Cut;
 
@@ -21,7 +20,9 @@ pub struct MovingBodies {
     /// Links from the fluid into bodies, in items of work.
     pub links: Vec<LinkItem>,
     /// Exchange of each item in the last step.
-    pub exchanges: Vec<MomentumExchange>,
+    pub exchanges: Vec<ExchangeTally>,
+    /// That of each of the living, all of its items together.
+    pub of_bodies: Vec<MomentumExchange>,
     /// Sum of what all bodies exchanged.
     pub total: MomentumExchange,
     /// Cells that bodies uncovered in this step.
@@ -39,7 +40,8 @@ impl MovingBodies {
     /// gaps and sinks.
     pub fn list_links(&mut self, gaps_press: bool, counts: [usize; 2]) {
         self.links = items(&mut self.list, gaps_press, counts);
-        self.exchanges = vec![MomentumExchange::default(); self.links.len()];
+        self.exchanges = vec![ExchangeTally::default(); self.links.len()];
+        self.of_bodies.resize(self.list.living.len(), MomentumExchange::default());
     }
 
     /// Most cells that bodies can cover or uncover in a step: fewer than their shells' rows, see
@@ -51,7 +53,7 @@ impl MovingBodies {
     /// Forgets what links exchanged: the start exchange knows no flow yet.
     pub fn forget_exchange(&mut self) {
         self.total = MomentumExchange::default();
-        self.exchanges.fill(MomentumExchange::default());
+        self.exchanges.fill(ExchangeTally::default());
         self.links.iter_mut().for_each(|item| item.gaps.clear());
     }
 
@@ -69,31 +71,14 @@ impl MovingBodies {
         any_cut
     }
 
-    /// Reflects the populations that ran into bodies; `seen` takes the gaps that links found, if
-    /// gaps press.
-    pub fn bounce_back<T: Real>(
-        &mut self,
-        after: &PostCollision<T>,
-        seen: &mut [Seen],
-        exec: &mut Execution,
-    ) {
+    /// Reflects the populations that ran into bodies.
+    pub fn bounce_back<T: Real>(&mut self, after: &PostCollision<T>, exec: &mut Execution) {
         let bodies = &self.list;
         let items = (Cut::every(&mut self.links, 1), Cut::every(&mut self.exchanges, 1));
-        let reflect = |batch: &mut Batch, item: &mut LinkItem, exchange: &mut MomentumExchange| {
-            *exchange = after.reflect(bodies, item, batch);
-        };
         let Execution { team, batches, .. } = exec;
-        if after.gaps.walls.is_some() {
-            let items = (items.0, items.1, Cut::every(seen, 1));
-            team.for_pieces_with(items, batches, |batch, _, (item, exchange, seen)| {
-                reflect(batch, &mut item[0], &mut exchange[0]);
-                seen[0].take(item[0].body, &item[0].gaps);
-            });
-        } else {
-            team.for_pieces_with(items, batches, |batch, _, (item, exchange)| {
-                reflect(batch, &mut item[0], &mut exchange[0]);
-            });
-        }
+        team.for_pieces_with(items, batches, |batch, _, (item, exchange)| {
+            exchange[0] = after.reflect(bodies, &mut item[0], batch);
+        });
     }
 
     /// Writes what came back along the links that bodies cut, after all others were reflected. One
@@ -103,22 +88,41 @@ impl MovingBodies {
         let items = self.links[with_surface.clone()].iter();
         for (item, exchange) in items.zip(&mut self.exchanges[with_surface]) {
             let body = &self.list.living[item.body];
-            exchange.join(&after.write_cuts(body, item.found.cuts()));
+            *exchange += &after.write_cuts(body, item.found.cuts());
         }
     }
 
     /// Volume by which the walls of bodies receded in the last step, those of gaps without fluid
     /// among them.
     pub fn receded(&self) -> f64 {
-        let counted = self.list.living.iter().filter(|body| self.keeps_mass || body.is_part());
-        let items = counted.flat_map(|body| body.items.clone());
-        items
-            .map(|number| {
-                let exchange = &self.exchanges[number];
-                let gaps: f64 = self.links[number].gaps.drawn.iter().sum();
-                exchange.receded + exchange.drawn + gaps
-            })
-            .sum()
+        let all = self.list.living.iter().zip(&self.of_bodies);
+        let counted = all.filter(|(body, _)| self.keeps_mass || body.is_part());
+        let of_body = |(body, exchange): (&Body, &MomentumExchange)| {
+            let of_gaps = self.links[body.items.clone()].iter().flat_map(|item| &item.gaps.drawn);
+            exchange.receded + exchange.drawn + of_gaps.sum::<f64>()
+        };
+        counted.map(of_body).sum()
+    }
+
+    /// Adds up what the items of each body exchanged, and the cells that changed hands, of all ranks.
+    pub fn join_exchanges(&mut self, ranks: &mut Ranks) {
+        let of_items = |body: &Body| {
+            let mut sum = ExchangeTally::default();
+            self.exchanges[body.items.clone()].iter().for_each(|item| sum += item);
+            sum
+        };
+        if ranks.is_alone() {
+            for (body, whole) in self.list.living.iter().zip(&mut self.of_bodies) {
+                *whole = of_items(body).value();
+            }
+            return;
+        }
+        let mut tallies: Vec<_> = self.list.living.iter().map(of_items).collect();
+        ranks.join_tallies(&mut tallies);
+        let wholes = self.of_bodies.iter_mut().zip(tallies);
+        wholes.for_each(|(whole, tally)| *whole = tally.value());
+        let living = self.list.living.iter_mut();
+        ranks.add_up(living.flat_map(|body| &mut body.account.changed));
     }
 
     /// Memory that bodies and links take [bytes].

@@ -4,9 +4,8 @@ use crate::boundary::mesh_links::LinkSearch;
 use crate::boundary::refill::Content;
 use crate::lattice::cell_flags::{CellFlags, Vacated};
 use crate::lattice::collision_kernel::DensityRequests;
-use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
-use crate::solver::budget::Budget;
+use crate::solver::budget::{Budget, Changed};
 use crate::solver::execution::Execution;
 use crate::solver::gap_model::GapModel;
 use crate::solver::lattice_state::LatticeState;
@@ -93,17 +92,16 @@ pub fn count_losses<T: Real>(
     gaps: &GapModel,
     budget: &mut Budget,
 ) {
-    let balance = &mut budget.balance;
-    for &cell in &lattice.flags.covered {
+    let Changed { covered, isolated, .. } = &mut budget.changed;
+    let own = |cell: &&u32| lattice.layout.is_own(**cell);
+    for &cell in lattice.flags.covered.iter().filter(own) {
         let content = lattice.before().content(cell);
-        add_scaled(&mut balance.covered, content.j, -1.0);
-        balance.mass_covered -= 1.0 + content.drho;
+        covered.add(&content);
         charge(bodies, gaps, lattice, cell, content.drho);
     }
-    for &cell in &lattice.flags.enclosed {
+    for &cell in lattice.flags.enclosed.iter().filter(own) {
         let content = lattice.before().content(cell);
-        add_scaled(&mut balance.isolated, content.j, -1.0);
-        balance.mass_isolated -= 1.0 + content.drho;
+        isolated.add(&content);
         charge(bodies, gaps, lattice, cell, content.drho);
     }
 }
@@ -126,9 +124,9 @@ pub fn refill<T: Real>(
         let (body, alone) = (list.any_with_handle(handle), gaps.modelled.drho_at(cell));
         refill.content = before.refill(&lattice.flags, cell, body, alone);
     });
-    for &Filled { vacated, content } in &refills {
-        add_scaled(&mut budget.balance.uncovered, content.j, 1.0);
-        budget.balance.mass_uncovered += 1.0 + content.drho;
+    let own = |filled: &&Filled| lattice.layout.is_own(filled.vacated.cell);
+    for &Filled { vacated, content } in refills.iter().filter(own) {
+        budget.changed.uncovered.add(&content);
         credit(bodies, vacated.handle, content.drho);
     }
     bodies.refills = refills;

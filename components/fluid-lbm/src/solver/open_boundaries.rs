@@ -7,8 +7,10 @@ use crate::boundary::virtual_piston::face::ReservoirFace;
 use crate::boundary::virtual_piston::part_surface::ReservoirSurface;
 use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::lattice::error::FluidError;
+use crate::lattice::exact_sum::{ExactSum, values};
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::static_boundaries::StaticBoundaries;
@@ -23,6 +25,8 @@ pub struct OpenBoundaries<T: Real> {
     pub reservoirs: Vec<ReservoirFace>,
     /// Parts with a reservoir.
     pub surfaces: Vec<ReservoirSurface>,
+    /// Cells at pressure faces through which fluid entered in the last step.
+    pub entering: usize,
 }
 
 impl<T: Real> OpenBoundaries<T> {
@@ -32,6 +36,7 @@ impl<T: Real> OpenBoundaries<T> {
             faces: std::mem::take(&mut built.faces),
             reservoirs: std::mem::take(&mut built.reservoirs),
             surfaces: std::mem::take(&mut built.surfaces),
+            entering: 0,
         }
     }
 
@@ -53,7 +58,9 @@ impl<T: Real> OpenBoundaries<T> {
         drop(all);
         self.surfaces.iter_mut().enumerate().try_for_each(|(k, surface)| {
             state.within(&format!("surface_{k}"), |state| surface.exchange(state))
-        })
+        })?;
+        self.count_entering(&mut Ranks::default());
+        Ok(())
     }
 
     /// Begins a step: moves the pistons of reservoirs.
@@ -77,7 +84,8 @@ impl<T: Real> OpenBoundaries<T> {
 
     /// Finds what comes back from reservoirs behind parts, before any link is reflected.
     pub fn read_surfaces(&mut self, after: &PostCollision<T>, exec: &mut Execution) {
-        self.surfaces.iter_mut().for_each(|surface| surface.read(after, &mut exec.team));
+        let Execution { team, ranks, .. } = exec;
+        self.surfaces.iter_mut().for_each(|surface| surface.read(after, team, ranks));
     }
 
     /// Lets it come back, after all other links are reflected. `references` are the points about which
@@ -94,7 +102,7 @@ impl<T: Real> OpenBoundaries<T> {
     ) -> Result<(), FluidError> {
         self.surfaces.iter_mut().try_for_each(|surface| {
             let reference = references[usize::from(surface.fixture.0)];
-            surface.write(after, reference, units, &mut exec.team)
+            surface.write(after, reference, units, (&mut exec.team, &mut exec.ranks))
         })
     }
 
@@ -120,41 +128,47 @@ impl<T: Real> OpenBoundaries<T> {
             units: &lattice.units,
             variant: exec.variant,
         };
-        self.schemes().try_for_each(|scheme| scheme.apply(&next, &mut exec.team))
+        self.schemes().try_for_each(|scheme| scheme.apply(&next, &mut exec.team, &mut exec.ranks))
     }
 
-    /// Calls `add` with momentum and mass that the fluid gained in the last step, piece by piece.
-    pub fn each_gain(&self, mut add: impl FnMut([f64; 3], f64)) {
+    /// Momentum along each axis, and mass, that the fluid gained in the last step.
+    pub fn gained(&self, ranks: &mut Ranks) -> [f64; 4] {
+        let mut sums = [ExactSum::default(); 4];
+        let mut add = |impulse: [f64; 3], mass: f64| {
+            let gain = impulse.into_iter().chain([mass]);
+            sums.iter_mut().zip(gain).for_each(|(sum, gain)| sum.add(gain));
+        };
         self.faces.iter().for_each(|face| face.each_gain(&mut add));
         let reservoirs = self.reservoirs.iter().map(|face| face as &dyn FaceScheme<T>);
         reservoirs.for_each(|face| face.each_gain(&mut add));
+        ranks.add_up(&mut sums);
+        values(&sums)
     }
 
     /// Gives the reservoirs the mean density and velocity of the cells at their faces.
-    pub fn fill_reservoirs(&mut self, lattice: &LatticeState<T>) {
-        let before = lattice.before();
-        self.surfaces.iter_mut().for_each(|surface| surface.fill(&before, &lattice.flags));
+    pub fn fill_reservoirs(&mut self, lattice: &LatticeState<T>, ranks: &mut Ranks) {
+        let (before, layout) = (lattice.before(), &lattice.layout);
+        let surfaces = self.surfaces.iter_mut();
+        surfaces.for_each(|surface| surface.fill(&before, &lattice.flags, ranks));
         for reservoir in &mut self.reservoirs {
             let (axis, inward) = (reservoir.axis(), reservoir.inward());
-            let (mut count, mut drho, mut velocity) = (0.0, 0.0, 0.0);
-            for cell in reservoir.cells().filter(|&cell| lattice.flags.is_fluid(cell)) {
+            let mut sums = [ExactSum::default(); 3];
+            let counts = |&cell: &u32| layout.is_own(cell) && lattice.flags.is_fluid(cell);
+            for cell in reservoir.cells().filter(counts) {
                 let content = before.content(cell);
-                count += 1.0;
-                drho += content.drho;
-                velocity += inward * content.j[axis] / (1.0 + content.drho);
+                sums[0].add(1.0);
+                sums[1].add(content.drho);
+                sums[2].add(inward * content.j[axis] / (1.0 + content.drho));
             }
+            ranks.add_up(&mut sums);
+            let [count, drho, velocity] = values(&sums);
             reservoir.fill(drho / f64::max(count, 1.0), velocity / f64::max(count, 1.0));
         }
     }
 
-    /// The reservoir's face that a sphere lies across.
-    pub fn crossed_by(
-        &mut self,
-        x: [f64; 3],
-        radius: f64,
-        grid: &Grid,
-    ) -> Option<&mut ReservoirFace> {
-        self.reservoirs.iter_mut().find(|face| face.distance(x, grid) < radius)
+    /// Number of the reservoir's face that a sphere lies across.
+    pub fn crossed_by(&self, x: [f64; 3], radius: f64, grid: &Grid) -> Option<usize> {
+        self.reservoirs.iter().position(|face| face.distance(x, grid) < radius)
     }
 
     /// See [`crate::LbmFluid::reservoirs`].
@@ -165,9 +179,13 @@ impl<T: Real> OpenBoundaries<T> {
         of_faces.chain(self.surfaces.iter().map(move |surface| surface.state(units)))
     }
 
-    /// Cells at pressure faces through which fluid enters.
-    pub fn entering(&self) -> usize {
-        self.faces.iter().map(|face| face.entering()).sum()
+    /// Counts the cells at pressure faces through which fluid enters.
+    pub fn count_entering(&mut self, ranks: &mut Ranks) {
+        if !self.faces.is_empty() {
+            let mut count = [self.faces.iter().map(|face| face.entering()).sum::<usize>() as i64];
+            ranks.count(&mut count);
+            self.entering = count[0] as usize;
+        }
     }
 
     /// Memory that the tables take [bytes].

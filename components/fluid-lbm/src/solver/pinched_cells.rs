@@ -30,7 +30,7 @@
 
 use crate::boundary::refill::Content;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
-use crate::lattice::ledger::add_scaled;
+use crate::lattice::exact_sum::{ExactSum, add_vector};
 use crate::lattice::populations::Real;
 use crate::solver::lattice_state::LatticeState;
 use tremie_state::{StateError, StateExchange};
@@ -67,7 +67,7 @@ pub struct Pinched {
     /// Number of cells, from the first, whose momentum was taken in the step before a mean.
     noted: usize,
     /// Momentum that the last mean gave to the fluid.
-    pub impulse: [f64; 3],
+    pub impulse: [ExactSum; 3],
 }
 
 impl Pinched {
@@ -154,7 +154,7 @@ impl Pinched {
 
     /// Calms pinched cells at the end of a step.
     pub fn calm<T: Real>(&mut self, lattice: &LatticeState<T>) {
-        self.impulse = [0.0; 3];
+        self.impulse = Default::default();
         let relaxation = &lattice.relaxation;
         let persists = !relaxation.central && (1.0 - relaxation.odd).abs() > PERSISTS;
         if persists && lattice.steps.is_multiple_of(ODD_EVERY) {
@@ -211,9 +211,10 @@ impl Pinched {
                 h[i] += 3.0 * W[i] * dot(C_F64[i], change);
             }
             before.put(pinched.cell, &h);
-            let got = before.content(pinched.cell).j;
-            add_scaled(impulse, got, 1.0);
-            add_scaled(impulse, now, -1.0);
+            if lattice.layout.is_own(pinched.cell) {
+                let got = before.content(pinched.cell).j;
+                add_vector(impulse, std::array::from_fn(|a| got[a] - now[a]));
+            }
         }
     }
 }

@@ -3,9 +3,11 @@
 use crate::boundary::refill::PreCollision;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::CS2;
-use crate::lattice::layout::Layout;
+use crate::lattice::exact_sum::ExactSum;
+use crate::lattice::layout::{Layout, block_of};
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::section_flux::{Crossing, Sight};
 use serde::{Deserialize, Serialize};
 use tremie_fluid_kit::cells::centres::Centres;
@@ -35,6 +37,9 @@ pub struct Probes {
     crossings: Vec<Crossing>,
     /// Of each probe, what passes it if it is a section.
     passing: Vec<Passing>,
+    /// Room for what passes each, and for the sums of each value.
+    passed: Vec<ExactSum>,
+    sums: Vec<ExactSum>,
     /// Steps that were looked at since means began.
     looks: u32,
     /// Sections are looked at in every so many steps: none if there is no section.
@@ -47,10 +52,12 @@ const SHARE_OF_SECTIONS: f64 = 0.005;
 
 impl Probes {
     /// Of a scene, in stored cells.
-    pub fn new(probes: &[Probe], layout: &Layout, centres: &Centres) -> Self {
+    pub fn new(probes: &[Probe], layout: &Layout, centres: &Centres, ranks: &mut Ranks) -> Self {
+        let stored = |at| layout.cell(at).filter(|&cell| layout.is_own(cell));
         let mut own = Self {
-            plan: ProbePlan::new(probes, &layout.grid, centres, |at| layout.cell(at)),
+            plan: ProbePlan::in_pieces(probes, &layout.grid, centres, stored, block_of),
             passing: vec![Passing::default(); probes.len()],
+            passed: vec![ExactSum::default(); probes.len()],
             ..Self::default()
         };
         for (number, probe) in probes.iter().enumerate() {
@@ -61,10 +68,12 @@ impl Probes {
                 own.crossings.extend(crossings);
             }
         }
-        let looked_at = own.plan.samples_of_sections();
+        let mut counts = [own.plan.samples_of_sections() as i64, layout.own.len() as i64];
+        ranks.count(&mut counts);
+        let [looked_at, all] = counts;
         if looked_at > 0 {
             // The more cells sections have, the more seldom they are looked at.
-            let share = looked_at as f64 / layout.cells.len().max(1) as f64;
+            let share = looked_at as f64 / all as f64;
             own.every = Some((share / SHARE_OF_SECTIONS).ceil().max(1.0) as u64);
         }
         own
@@ -85,17 +94,26 @@ impl Probes {
     }
 
     /// Looks at what passes sections at the end of a step, if it is their turn.
-    pub fn look<T: Real>(&mut self, team: &mut Team, sight: &Sight<T>, steps: u64) {
+    pub fn look<T: Real>(
+        &mut self,
+        (team, ranks): (&mut Team, &mut Ranks),
+        sight: &Sight<T>,
+        steps: u64,
+    ) {
         if !self.every.is_some_and(|every| steps.is_multiple_of(every)) {
             return;
         }
         team.for_each(&mut self.crossings, |_, crossing| crossing.look(sight));
         self.looks += 1;
-        self.passing.iter_mut().for_each(|passing| passing.last = Some(0.0));
+        self.passed.fill(ExactSum::default());
         for crossing in &self.crossings {
-            *self.passing[crossing.probe].last.get_or_insert(0.0) += crossing.passed;
+            crossing.passed.add_to(&mut self.passed[crossing.probe]);
         }
-        self.passing.iter_mut().for_each(|passing| passing.sum += passing.last.unwrap_or(0.0));
+        ranks.add_up(&mut self.passed);
+        for (passing, passed) in self.passing.iter_mut().zip(&self.passed) {
+            passing.last = Some(passed.value());
+            passing.sum += passed.value();
+        }
     }
 
     /// Begins means over time anew.
@@ -108,7 +126,7 @@ impl Probes {
     /// reads 0.
     pub fn read<T: Real>(
         &mut self,
-        team: &mut Team,
+        (team, ranks): (&mut Team, &mut Ranks),
         before: &PreCollision<T>,
         flags: &CellFlags,
         units: &Units,
@@ -137,12 +155,41 @@ impl Probes {
                 }
             }
         });
-        self.plan.tell(|number, shape, sum| {
+        let sums = &mut self.sums;
+        sums.clear();
+        self.plan.tell_items(|_, _, items| {
+            let mut all = [ExactSum::default(); VALUES];
+            for item in items {
+                let [x, y, z] = item.velocity;
+                let own = [item.fluid, item.covered, item.pressure, x, y, z];
+                all.iter_mut().zip(own).for_each(|(sum, own)| sum.add(own));
+            }
+            sums.extend(all);
+        });
+        ranks.add_up(&mut *sums);
+        let mut sums = sums.chunks_exact(VALUES);
+        self.plan.tell_items(|number, shape, _| {
+            let sum = &sums.next().map(rounded).unwrap_or_default();
             let Passing { last, sum: passed } = self.passing[number];
             // Between looks, the last one.
             let mean = (self.looks > 0).then(|| passed / f64::from(self.looks)).or(last);
             append(shape, &values(shape, sum, mean, units), out);
         });
+    }
+}
+
+/// Sums of a probe.
+const VALUES: usize = 6;
+
+/// The sums of a probe, each rounded once.
+fn rounded(sums: &[ExactSum]) -> ProbeSum {
+    let value = |k: usize| sums[k].value();
+    ProbeSum {
+        fluid: value(0),
+        covered: value(1),
+        pressure: value(2),
+        velocity: [value(3), value(4), value(5)],
+        ..ProbeSum::default()
     }
 }
 

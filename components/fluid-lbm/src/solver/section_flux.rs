@@ -22,6 +22,7 @@ use crate::boundary::refill::PreCollision;
 use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, dot, mirrored};
+use crate::lattice::exact_sum::BinnedSum;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use tremie_fluid_kit::cells::grid::{Reach, Side};
@@ -67,7 +68,7 @@ pub struct Crossing {
     pub probe: usize,
     links: Vec<CrossingLink>,
     /// Mass that passed in the last step that was looked at [cells at density 1].
-    pub passed: f64,
+    pub passed: BinnedSum,
 }
 
 impl Crossing {
@@ -75,7 +76,8 @@ impl Crossing {
     pub fn of(layout: &Layout, axis: usize, probe: usize, layer: &[([i32; 3], f64)]) -> Self {
         let mut links = Vec::new();
         for &(at, weight) in layer {
-            let Some((cell, sides)) = sides(layout, axis, at) else { continue };
+            let found = sides(layout, axis, at).filter(|(cell, _)| layout.is_own(*cell));
+            let Some((cell, sides)) = found else { continue };
             let share = weight / sides.iter().filter(|&&read| read).count() as f64;
             for i in (1..Q).filter(|&i| C[i][axis] != 0 && sides[usize::from(C[i][axis] > 0)]) {
                 let Some(end) = end(layout, cell, i) else { continue };
@@ -83,15 +85,15 @@ impl Crossing {
                 links.push(CrossingLink { cell, end, dir: i as u8, weight });
             }
         }
-        Self { probe, links, passed: 0.0 }
+        Self { probe, links, passed: BinnedSum::default() }
     }
 
     /// Adds up what passed in the last step.
     pub fn look<T: Real>(&mut self, sight: &Sight<T>) {
-        self.passed = 0.0;
+        self.passed = BinnedSum::default();
         for link in &self.links {
             if sight.flags.is_fluid(link.cell) {
-                self.passed += f64::from(link.weight) * sight.passed(link);
+                self.passed.add(f64::from(link.weight) * sight.passed(link));
             }
         }
     }

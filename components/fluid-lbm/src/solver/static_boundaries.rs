@@ -11,12 +11,15 @@ use crate::domain::boundary_condition::{BoundaryCondition, BoundaryValue};
 use crate::gaps::specular_walls::SpecularWalls;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::collision_kernel::CellBlock;
+use crate::lattice::exact_sum::{ExactSum, add_vector, values};
 use crate::lattice::ledger::add_scaled;
-use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::momentum_exchange::{ExchangeTally, MomentumExchange};
 use crate::lattice::populations::Real;
 use crate::lattice::reflection_impulse::ReflectionImpulse;
+use crate::ranks::rank_sums::Ranks;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
+use std::ops::Range;
 use tremie_fluid_kit::survey::mirrors::{mirrors_of_part, with_image};
 use tremie_messages::Load;
 use tremie_state::{StateError, StateExchange};
@@ -44,7 +47,7 @@ pub struct StaticBoundaries {
     /// Force of the fluid on each symmetry plane, `2 axis + side`.
     pub mirrors: [[f64; 3]; 6],
     /// Room for sums over fixtures.
-    impulses: Vec<[f64; 3]>,
+    tallies: Vec<ExchangeTally>,
 }
 
 impl StaticBoundaries {
@@ -62,7 +65,7 @@ impl StaticBoundaries {
             brought: Default::default(),
             exchanges: vec![MomentumExchange::default(); fixtures],
             mirrors: [[0.0; 3]; 6],
-            impulses: vec![[0.0; 3]; fixtures],
+            tallies: vec![ExchangeTally::default(); fixtures],
         }
     }
 
@@ -97,37 +100,45 @@ impl StaticBoundaries {
         exec.team.for_each(sheet_items, |_, item| after.read_sheets(sheets, item));
         exec.team.for_each(items, |_, item| after.reflect_fixed(links, now, references, item));
         exec.team.for_each(sheet_items, |_, item| after.balance_sheets(sheets, references, item));
-        self.brought = Patches::brought(&self.items);
+        self.brought = Patches::brought(&self.items, &mut exec.ranks);
     }
 
     /// Adds up what the fluid exchanged with each fixture; returns what symmetry planes gave to it,
     /// along their axes.
     pub fn join_exchanges(
         &mut self,
-        blocks: &[CellBlock],
+        (blocks, own): (&[CellBlock], Range<usize>),
         tally: &ReflectionImpulse,
         slip: Option<&SpecularWalls>,
         surfaces: &[ReservoirSurface],
+        ranks: &mut Ranks,
     ) -> [f64; 3] {
-        let mut mirrors = [[0.0; 3]; 6];
-        self.impulses.fill([0.0; 3]);
-        for (number, block) in blocks.iter().enumerate() {
-            tally.share(number, &block.reflected, &mut mirrors, &mut self.impulses);
+        let mut mirrors = [[ExactSum::default(); 3]; 6];
+        self.tallies.fill(ExchangeTally::default());
+        for number in own.clone() {
+            let share = |fixture: BoundaryId, impulse: [f64; 3]| {
+                let back = impulse.map(|x| -x);
+                add_vector(&mut self.tallies[usize::from(fixture.0)].force, back);
+            };
+            tally.share(number, &blocks[number].reflected, &mut mirrors, share);
         }
-        for (fixture, impulse) in self.exchanges.iter_mut().zip(&self.impulses) {
-            *fixture =
-                MomentumExchange { force: impulse.map(|x| -x), ..MomentumExchange::default() };
-        }
-        let curved = self.items.iter().flat_map(|item| &item.exchanges);
-        let halfway = blocks.iter().flat_map(|block| &block.halfway.exchanges);
-        let sheets = self.sheet_items.iter().flat_map(|item| &item.exchanges);
+        let curved = self.items.iter().filter(|item| item.is_own).flat_map(|item| &item.exchanges);
+        let halfway = blocks[own].iter().flat_map(|block| &block.halfway.exchanges);
+        let sheets = self.sheet_items.iter().filter(|item| item.is_own);
+        let sheets = sheets.flat_map(|item| &item.exchanges);
         for (BoundaryId(number), exchange) in curved.chain(sheets).chain(halfway) {
-            self.exchanges[usize::from(*number)].join(exchange);
+            self.tallies[usize::from(*number)].add(exchange);
         }
         for (BoundaryId(number), exchange) in surfaces.iter().flat_map(ReservoirSurface::exchanges)
         {
-            self.exchanges[usize::from(number)].join(exchange);
+            self.tallies[usize::from(number)].add(exchange);
         }
+        ranks.add_up(mirrors.iter_mut().flatten());
+        ranks.join_tallies(&mut self.tallies);
+        for (fixture, tally) in self.exchanges.iter_mut().zip(&self.tallies) {
+            *fixture = tally.value();
+        }
+        let mirrors = mirrors.each_ref().map(values);
         if let Some(slip) = slip {
             for (number, fixture) in self.exchanges.iter_mut().enumerate() {
                 fixture.join(&slip.on_fixture(number));

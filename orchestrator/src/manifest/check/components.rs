@@ -5,6 +5,7 @@ use super::super::path;
 use super::super::read::Findings;
 use super::super::spec::{ComponentSpec, MOST_SUBSTEPS, stem};
 use crate::manifest::ORCHESTRATOR;
+use crate::registry::settings_shared_with;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -48,7 +49,9 @@ fn component(
     }
     // Only now, so that a missing program hides no other problem.
     let program = program?;
-    let mut own = settings.get(stem(&program)).cloned().unwrap_or_default();
+    let of = |program: &str| settings.get(program).cloned().unwrap_or_default();
+    let mut own = settings_shared_with(stem(&program)).map_or_else(Map::new, of);
+    own.extend(of(stem(&program)));
     own.extend(table.settings.clone().unwrap_or_default());
     Some(ComponentSpec {
         name: named.then(|| name.to_string())?,

@@ -36,6 +36,7 @@ use super::document::Document;
 use super::path;
 use super::read::Findings;
 use super::spec::Spec;
+use crate::registry::settings_shared_with;
 use std::collections::BTreeSet;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
@@ -70,7 +71,10 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
 /// Notes on keys that are right but may not be meant.
 pub(super) fn notes(spec: &Spec) -> Vec<String> {
     let built_in_observers = ["viewer", "recorder", "fields", "profiles"];
-    let is_used = |program: &str| spec.components.iter().any(|c| c.stem() == program);
+    let is_used = |program: &str| {
+        let all = spec.components.iter().map(|component| component.stem());
+        all.into_iter().any(|stem| stem == program || settings_shared_with(stem) == Some(program))
+    };
     let mut notes: Vec<String> = (spec.settings.keys())
         .filter(|program| !is_used(program) && !built_in_observers.contains(&program.as_str()))
         .map(|program| format!("settings.{program} is not used: no component runs that program"))

@@ -61,7 +61,7 @@ impl Launcher {
         (Self { post, in_process }, news)
     }
 
-    /// Starts `program` as component number `index`.
+    /// Starts `program` as component number `index`; behind the words of `launch`, if there are some.
     ///
     /// Must be called from a thread that outlives the run: a component dies with the thread that
     /// started it (parent-death signal).
@@ -73,7 +73,7 @@ impl Launcher {
         index: usize,
         name: &str,
         role: Role,
-        program: &Program,
+        (launch, program): (&[String], &Program),
     ) -> Result<Peer, String> {
         let (to, body) = match program {
             Program::BuiltIn(built) if self.in_process => self.start_thread(index, name, built)?,
@@ -88,7 +88,7 @@ impl Launcher {
                     file.display()
                 ));
             }
-            Program::File(file) => self.start_process(index, command_of(file))?,
+            Program::File(file) => self.start_process(index, launched(launch, command_of(file)))?,
         };
         Ok(Peer::new(name, role, to, body))
     }
@@ -159,6 +159,14 @@ impl Launcher {
             .map_err(no_thread)?;
         Ok((to, Body::Thread(Some(handle))))
     }
+}
+
+/// A command that is started by a program for that, as `mpiexec -n 4`.
+fn launched(launch: &[String], command: Command) -> Command {
+    let [launcher, words @ ..] = launch else { return command };
+    let mut all = Command::new(launcher);
+    all.args(words).arg(command.get_program()).args(command.get_args());
+    all
 }
 
 fn thread(work: impl FnOnce() + Send + 'static) -> Result<(), String> {

@@ -133,7 +133,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             return Ok(());
         }
         let how = self.peers[index].end(Duration::from_millis(100));
-        let last = Some(&state.words[index]).filter(|text| !text.is_empty());
+        let last = state.words[index].text();
         let words = last.map_or(String::new(), |text| format!("; its last words: {text}"));
         let Some(watched) = watched else {
             return Ok(self.lose_observer(state, index, &format!("its process {how}{words}"))?);

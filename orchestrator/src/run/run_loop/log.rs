@@ -52,7 +52,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             LogLevel::Info => {}
             _ => self.terminal.warn(&format!("{name}: {message}")),
         }
-        state.words[index].clone_from(&message);
+        state.words[index].hear(&message, level == LogLevel::Error);
         // Into the file only. Such lines differ from run to run (the port of a server, say), and
         // recordings of equal runs must be equal.
         let window = self.monitor.common_window().unwrap_or(0);

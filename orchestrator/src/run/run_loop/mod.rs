@@ -17,6 +17,7 @@ use crate::outputs::ScheduleTiming;
 use crate::outputs::{Breach, Ending, RunLog, SignalTable, Trace};
 use crate::outputs::{ComponentTotals, WholeCheckpoint};
 use crate::run::control::Control;
+use crate::run::last_words::LastWords;
 use crate::run::launch::{Peer, PeerEvent};
 use crate::run::monitor::Monitor;
 use crate::run::startup_log::EarlyLog;
@@ -132,7 +133,7 @@ struct LoopState {
     finished: Vec<bool>,
     /// Lossless observers that have not yet taken a first frame of each stream.
     not_watching: Vec<usize>,
-    words: Vec<String>,
+    words: Vec<LastWords>,
     /// Time of each observer's last progress, once it was told to finish.
     heard: Vec<Instant>,
     /// Fault that spoilt the outputs of an observer, once physics is over.
@@ -162,7 +163,7 @@ impl LoopState {
             begun: None,
             finished: vec![false; peers],
             not_watching: lossless.to_vec(),
-            words: vec![String::new(); peers],
+            words: vec![LastWords::default(); peers],
             heard: vec![now; peers],
             spoilt: None,
             is_over: false,

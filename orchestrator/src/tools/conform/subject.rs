@@ -91,7 +91,7 @@ impl Subject {
     /// Starts the program alone.
     pub fn start(&self) -> Result<(Peer, Receiver<PeerEvent>), String> {
         let (launcher, news) = Launcher::new(false);
-        let peer = launcher.start(0, self.role.name(), self.role, &self.program)?;
+        let peer = launcher.start(0, self.role.name(), self.role, (&[], &self.program))?;
         Ok((peer, news))
     }
 

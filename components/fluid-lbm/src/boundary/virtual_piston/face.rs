@@ -22,16 +22,19 @@
 //! (`crossing_bodies`).
 
 use crate::boundary::face_scheme::{
-    FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
+    FaceCell, FaceItem, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
 };
 use crate::boundary::virtual_piston::cylinder::Cylinder;
 use crate::boundary::virtual_piston::reservoir_state::ReservoirState;
 use crate::boundary::zou_he::Inward;
 use crate::lattice::d3q19::{Q, equilibria};
 use crate::lattice::error::FluidError;
+use crate::lattice::exact_sum::ExactSum;
+use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::lattice::units::Units;
+use crate::ranks::rank_sums::Ranks;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::Reservoir;
@@ -42,6 +45,8 @@ use tremie_team::Team;
 #[derive(Clone, Debug)]
 struct PistonItem {
     cells: Range<usize>,
+    /// True if this part of the lattice counts them.
+    is_own: bool,
     /// Sum of the normal velocities.
     sum: f64,
     /// Largest normal velocity, by amount.
@@ -66,20 +71,29 @@ pub struct ReservoirFace {
 
 impl ReservoirFace {
     /// A face of these cells, `2 axis + side`.
-    pub fn new(face: usize, cells: Vec<FaceCell>, reservoir: &Reservoir, units: &Units) -> Self {
-        let item = |cells: Range<usize>| PistonItem {
+    pub fn new(
+        layout: &Layout,
+        face: usize,
+        cells: Vec<FaceCell>,
+        reservoir: &Reservoir,
+        (units, ranks): (&Units, &mut Ranks),
+    ) -> Self {
+        let item = |FaceItem { cells, is_own }: FaceItem| PistonItem {
             cells,
+            is_own,
             sum: 0.0,
             fastest: 0.0,
             wet: 0,
             gain: Gain::default(),
         };
+        let mut area = [cells.iter().filter(|open| layout.is_own(open.cell)).count() as i64];
+        ranks.count(&mut area);
         Self {
             axis: face / 2,
             side: face % 2,
             relaxation: reservoir.relaxation,
-            items: items_of(cells.len()).map(item).collect(),
-            cylinder: Cylinder::new(reservoir, cells.len() as f64, units),
+            items: items_of(layout, &cells).into_iter().map(item).collect(),
+            cylinder: Cylinder::new(reservoir, area[0] as f64, units),
             cells,
             mean: 0.0,
         }
@@ -140,30 +154,43 @@ impl<T: Real> FaceScheme<T> for ReservoirFace {
 
     /// Gives the cells at the face their populations, and lets the cylinder lose what they gained;
     /// fails where the flow through the face is too fast for the lattice, or not finite.
-    fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
+    fn apply(
+        &mut self,
+        next: &PostStreaming<T>,
+        team: &mut Team,
+        ranks: &mut Ranks,
+    ) -> Result<(), FluidError> {
         let (cells, drho) = (&self.cells, self.cylinder.drho());
         let [axis, side] = [self.axis, self.side];
         let view = View { next, inward: Inward::of(2 * axis + side), drho };
         team.for_each(&mut self.items, |_, item| view.measure(&cells[item.cells.clone()], item));
-        // In the order of the items: the same bits on any number of threads.
-        let (mut sum, mut wet, mut fastest) = (0.0, 0, 0.0);
-        for item in &self.items {
-            (sum, wet) = (sum + item.sum, wet + item.wet);
+        let (mut sum, mut wet, mut fastest) = (ExactSum::default(), [0], 0.0);
+        for item in self.items.iter().filter(|item| item.is_own) {
+            sum.add(item.sum);
+            wet[0] += item.wet as i64;
             fastest = f64::max(fastest, item.fastest);
         }
-        let mean = if wet > 0 { sum / wet as f64 } else { 0.0 };
+        ranks.add_up([&mut sum]);
+        ranks.count(&mut wet);
+        let [fastest] = ranks.largest([fastest]);
+        let mean = if wet[0] > 0 { sum.value() / wet[0] as f64 } else { 0.0 };
         let relaxation = self.relaxation;
         team.for_each(&mut self.items, |_, item| {
             view.fill(&cells[item.cells.clone()], mean, relaxation, item);
         });
         self.mean = mean;
         let at_walls = next.brought[2 * axis + side].total();
-        self.cylinder.drain(self.items.iter().map(|item| item.gain.mass).sum::<f64>() + at_walls);
+        let mut gained = ExactSum::default();
+        let own = self.items.iter().filter(|item| item.is_own);
+        own.for_each(|item| gained.add(item.gain.mass));
+        ranks.add_up([&mut gained]);
+        self.cylinder.drain(gained.value() + at_walls);
         self.cylinder.passes([mean, fastest], self.place(), next.units)
     }
 
     fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64)) {
-        self.items.iter().for_each(|item| add(item.gain.impulse, item.gain.mass));
+        let own = self.items.iter().filter(|item| item.is_own);
+        own.for_each(|item| add(item.gain.impulse, item.gain.mass));
     }
 
     fn bytes(&self) -> usize {

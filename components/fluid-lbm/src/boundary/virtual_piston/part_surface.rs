@@ -33,16 +33,19 @@ use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, W, dot};
 use crate::lattice::error::FluidError;
-use crate::lattice::ledger::add_scaled;
+use crate::lattice::exact_sum::{ExactSum, add_vector, values};
+use crate::lattice::layout::{Layout, items_in_blocks};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::lattice::units::Units;
+use crate::ranks::rank_sums::Ranks;
+use std::ops::Range;
 use tremie_messages::scene::Reservoir;
 use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
 
-/// Cells that are one item of work.
+/// Cells that are one item of work at most.
 const CELLS_PER_ITEM: usize = 512;
 
 /// Least length of the sum of all areas over the sum of the amounts of each cell's: below, the surface
@@ -94,6 +97,8 @@ struct SurfaceCell {
 #[derive(Clone, Debug, Default)]
 struct SurfaceItem {
     cells: Vec<SurfaceCell>,
+    /// True if this part of the lattice counts them.
+    is_own: bool,
     links: Vec<SurfaceLink>,
     /// Sums over the cells that are fluid: of the mass that would come in, over `rho`, and of areas.
     flow: f64,
@@ -124,22 +129,28 @@ impl ReservoirSurface {
     /// The surface of a part, an index, at which these links end, by cell, in a domain with so many axes
     /// that have a mirror.
     pub fn new(
+        layout: &Layout,
         (part, fixture): (usize, BoundaryId),
         links: &[Blocked],
-        reservoir: &Reservoir,
-        mirrors: usize,
-        units: &Units,
+        (reservoir, mirrors): (&Reservoir, usize),
+        (units, ranks): (&Units, &mut Ranks),
     ) -> Self {
-        let mut whole = [0.0; 3];
-        links.iter().for_each(|link| add_scaled(&mut whole, area_of_link(link.dir.into()), 1.0));
+        let mut whole = [ExactSum::default(); 3];
+        for link in links.iter().filter(|link| layout.is_own(link.cell)) {
+            add_vector(&mut whole, area_of_link(link.dir.into()));
+        }
+        ranks.add_up(&mut whole);
+        let whole = values(&whole);
         let found = dot(whole, whole).sqrt();
         let normal = whole.map(|a| if found > 0.0 { a / found } else { 0.0 });
         let given = reservoir.area / (units.cell * units.cell);
         let area = given / parts_of_area(given, found, mirrors);
         let cells: Vec<&[Blocked]> = links.chunk_by(|a, b| a.cell == b.cell).collect();
-        let item = |cells: &[&[Blocked]]| {
+        let numbers: Vec<u32> = cells.iter().map(|links| links[0].cell).collect();
+        let item = |range: Range<usize>| {
             let mut item = SurfaceItem::default();
-            for links in cells {
+            item.is_own = layout.is_own(cells[range.start][0].cell);
+            for links in &cells[range] {
                 let first = item.links.len() as u32;
                 item.links.extend(links.iter().map(|link| SurfaceLink {
                     dir: link.dir,
@@ -161,26 +172,35 @@ impl ReservoirSurface {
             fixture,
             relaxation: reservoir.relaxation,
             normal,
-            items: cells.chunks(CELLS_PER_ITEM).map(item).collect(),
+            items: items_in_blocks(&numbers, CELLS_PER_ITEM).map(item).collect(),
             cylinder: Cylinder::new(reservoir, area, units),
             share: found / area,
             mean: 0.0,
         }
     }
 
-    fn cells(&self) -> impl Iterator<Item = u32> {
-        self.items.iter().flat_map(|item| item.cells.iter().map(|cell| cell.cell))
+    /// The items that this part of the lattice counts.
+    fn own(&self) -> impl Iterator<Item = &SurfaceItem> {
+        self.items.iter().filter(|item| item.is_own)
     }
 
     /// Puts the cylinder's fluid into the state of the cells at the surface.
-    pub fn fill<T: Real>(&mut self, before: &PreCollision<T>, flags: &CellFlags) {
-        let (mut count, mut drho, mut velocity) = (0.0, 0.0, 0.0);
-        for cell in self.cells().filter(|&cell| flags.is_fluid(cell)) {
+    pub fn fill<T: Real>(
+        &mut self,
+        before: &PreCollision<T>,
+        flags: &CellFlags,
+        ranks: &mut Ranks,
+    ) {
+        let mut sums = [ExactSum::default(); 3];
+        let cells = self.own().flat_map(|item| item.cells.iter().map(|cell| cell.cell));
+        for cell in cells.filter(|&cell| flags.is_fluid(cell)) {
             let content = before.content(cell);
-            count += 1.0;
-            drho += content.drho;
-            velocity += dot(self.normal, content.j) / (1.0 + content.drho);
+            sums[0].add(1.0);
+            sums[1].add(content.drho);
+            sums[2].add(dot(self.normal, content.j) / (1.0 + content.drho));
         }
+        ranks.add_up(&mut sums);
+        let [count, drho, velocity] = values(&sums);
         self.cylinder.fill(drho / f64::max(count, 1.0));
         self.mean = velocity / f64::max(count, 1.0);
     }
@@ -195,12 +215,16 @@ impl ReservoirSurface {
     }
 
     /// Finds what comes back through the links, before any of the step's links is reflected.
-    pub fn read<T: Real>(&mut self, after: &PostCollision<T>, team: &mut Team) {
+    pub fn read<T: Real>(&mut self, after: &PostCollision<T>, team: &mut Team, ranks: &mut Ranks) {
         let drho = self.cylinder.drho();
         team.for_each(&mut self.items, |_, item| item.read(after, drho));
-        // In the order of the items: the same bits on any number of threads.
-        let sum = |of: fn(&SurfaceItem) -> f64| self.items.iter().map(of).sum::<f64>();
-        let (flow, area) = (sum(|item| item.flow), sum(|item| item.area));
+        let mut sums = [ExactSum::default(); 2];
+        for item in self.own() {
+            sums[0].add(item.flow);
+            sums[1].add(item.area);
+        }
+        ranks.add_up(&mut sums);
+        let [flow, area] = values(&sums);
         self.mean = if area > 0.0 { flow / area } else { 0.0 };
     }
 
@@ -214,18 +238,22 @@ impl ReservoirSurface {
         after: &PostCollision<T>,
         reference: [f64; 3],
         units: &Units,
-        team: &mut Team,
+        (team, ranks): (&mut Team, &mut Ranks),
     ) -> Result<(), FluidError> {
         let more = [self.relaxation * (1.0 + self.cylinder.drho()), self.mean];
         team.for_each(&mut self.items, |_, item| item.write(after, more, reference));
-        self.cylinder.drain(self.items.iter().map(|item| item.exchange.mass).sum());
-        let fastest = self.items.iter().map(|item| item.fastest).fold(0.0, f64::max);
+        let mut gained = ExactSum::default();
+        self.own().for_each(|item| gained.add(item.exchange.mass));
+        ranks.add_up([&mut gained]);
+        self.cylinder.drain(gained.value());
+        let fastest = self.own().map(|item| item.fastest).fold(0.0, f64::max);
+        let [fastest] = ranks.largest([fastest]);
         self.cylinder.passes([self.mean, fastest], self.place, units)
     }
 
     /// What the fluid exchanged with the part in the last step, piece by piece.
     pub fn exchanges(&self) -> impl Iterator<Item = (BoundaryId, &MomentumExchange)> {
-        self.items.iter().map(|item| (self.fixture, &item.exchange))
+        self.own().map(|item| (self.fixture, &item.exchange))
     }
 
     /// State of the reservoir, SI units.

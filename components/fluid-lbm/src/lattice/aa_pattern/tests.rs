@@ -179,7 +179,7 @@ proptest! {
     fn every_place_belongs_to_one_cell_and_direction(
         (grid, obstacles) in boxes(), line in prop::sample::select(vec![8_usize, 16]),
     ) {
-        let cells = CellList::new(&grid, &obstacles);
+        let cells = CellList::new(&grid, &obstacles, (|_| true, BoundaryId::solid(9)));
         let (places, survey) = AaPattern::new(&grid, &cells, &obstacles, line, |o| o.0 % 2 == 0);
         for parity in [Parity::Even, Parity::Odd] {
             let mut seen = HashSet::new();

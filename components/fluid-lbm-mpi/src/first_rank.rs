@@ -1,0 +1,164 @@
+//! Rank 0: the component that the run knows.
+
+use crate::calls::Call;
+use crate::mpi_ranks::MpiRanks;
+use std::cell::RefCell;
+use std::process::ExitCode;
+use std::time::Duration;
+use tremie_fluid_lbm::Communicator;
+use tremie_fluid_lbm::component::LbmComponent;
+use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
+use tremie_sdk::messages::start::{Description, VolumeGrid};
+use tremie_sdk::messages::units::Time;
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, PortState, Problem, bytes_of};
+use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
+
+/// Key of the ranks' deadline among the settings.
+const DEADLINE: &str = "deadline";
+
+/// Deadline where the settings have none [s].
+const PATIENCE: f64 = 30.0;
+
+thread_local! {
+    /// The ranks that were launched together: the sdk makes the component of nothing but its setup.
+    static RANKS: RefCell<Option<MpiRanks>> = const { RefCell::new(None) };
+}
+
+/// The fluid on all ranks, as rank 0 has it.
+struct MpiFluid {
+    share: LbmComponent,
+    ranks: RefCell<MpiRanks>,
+}
+
+/// Takes part in the run, and ends the other ranks with it.
+pub fn main(ranks: MpiRanks) -> ExitCode {
+    RANKS.set(Some(ranks.clone()));
+    let code = tremie_sdk::main::<AsFluid<MpiFluid>>();
+    let mut ranks = ranks;
+    ranks.broadcast(&mut Call::Quit.with(&[]));
+    code
+}
+
+fn ranks() -> Result<MpiRanks, Vec<Problem>> {
+    let ranks = RANKS.with_borrow(Clone::clone);
+    ranks.ok_or_else(|| vec![Problem::new("settings.fluid-lbm-mpi", "there are no ranks")])
+}
+
+/// The setup of the lattice, and the deadline of ranks, from that of the component.
+fn split(setup: &Setup) -> Result<(Setup, Duration), Vec<Problem>> {
+    let mut of_lattice = setup.clone();
+    let deadline = match of_lattice.hello.parameters.remove(DEADLINE) {
+        None => PATIENCE,
+        Some(value) => {
+            let wrong = |text: String| vec![Problem::of_parameter(DEADLINE, text)];
+            let Time(seconds) =
+                serde_json::from_value(value).map_err(|error| wrong(error.to_string()))?;
+            if !(seconds > 0.0 && seconds.is_finite()) {
+                return Err(wrong(format!("found {seconds} s, expected more than 0")));
+            }
+            seconds
+        }
+    };
+    Ok((of_lattice, Duration::from_secs_f64(deadline)))
+}
+
+impl MpiFluid {
+    /// Has all other ranks make a call.
+    fn call(&self, call: &Call, behind: &[u8]) {
+        self.ranks.borrow_mut().broadcast(&mut call.with(behind));
+    }
+}
+
+impl Fluid for MpiFluid {
+    const PROGRAM: &'static str = concat!("fluid-lbm-mpi ", env!("CARGO_PKG_VERSION"));
+    const TELLS_PORTS: bool = true;
+
+    fn takes_polyhedra() -> bool {
+        true
+    }
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let ranks = ranks()?;
+        let (of_lattice, _) = split(setup)?;
+        let description = LbmComponent::describe(&of_lattice)?;
+        let shares = LbmComponent::shares(&of_lattice, ranks.ranks())?;
+        let mut notes = description.notes.clone();
+        notes.extend(shares);
+        // States of shares cannot be kept yet.
+        Ok(Description { notes, state: None, ..description })
+    }
+
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let ranks = ranks()?;
+        let (mut of_lattice, deadline) = split(setup)?;
+        ranks.set_deadline(deadline);
+        // The ranks of a host share the threads that the component has there.
+        let threads = (of_lattice.hello.threads / ranks.on_this_host() as u32).max(1);
+        of_lattice.hello.threads = threads;
+        let wrong = |error: serde_json::Error| vec![Problem::new("", error.to_string())];
+        let all = (&of_lattice.hello, of_lattice.assigned()?, deadline.as_secs_f64());
+        let text = serde_json::to_vec(&all).map_err(wrong)?;
+        ranks.clone().broadcast(&mut Call::Create { threads }.with(&text));
+        let share = LbmComponent::along(&of_lattice, Some(Box::new(ranks.clone())))?;
+        Ok(Self { share, ranks: RefCell::new(ranks) })
+    }
+
+    fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
+        self.call(&Call::Events, bytes_of(events));
+        self.share.events(events)
+    }
+
+    fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
+        self.call(&Call::Start, bytes_of(bodies));
+        self.share.start(bodies, loads)
+    }
+
+    fn advance(
+        &mut self,
+        substeps: u32,
+        bodies: &[BodyState],
+        loads: &mut [Load],
+    ) -> Result<(), SolverError> {
+        self.call(&Call::Advance { substeps }, bytes_of(bodies));
+        self.share.advance(substeps, bodies, loads)
+    }
+
+    fn ports(&mut self, ports: &mut [PortState]) -> Result<(), SolverError> {
+        self.call(&Call::Ports(ports.len() as u64), &[]);
+        self.share.ports(ports)
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        self.share.signals(values);
+    }
+
+    fn sampled(&mut self, values: &mut Vec<f64>) {
+        self.call(&Call::Sampled, &[]);
+        self.share.sampled(values);
+    }
+
+    fn row_kept(&mut self) {
+        self.call(&Call::RowKept, &[]);
+        self.share.row_kept();
+    }
+
+    fn place(&self, signal: &str) -> Option<Place> {
+        self.call(&Call::Place(signal.into()), &[]);
+        self.share.place(signal)
+    }
+
+    fn work(&self) -> u64 {
+        self.share.work()
+    }
+
+    fn slice(&mut self, name: &str, nodes: &mut [SliceNode]) -> SliceHeader {
+        self.call(&Call::Slice(name.into(), nodes.len() as u64), &[]);
+        self.share.slice(name, nodes)
+    }
+
+    fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [SliceNode]) -> VolumeHeader {
+        let text = serde_json::to_vec(grid).unwrap_or_default();
+        self.call(&Call::Volume(nodes.len() as u64), &text);
+        self.share.volume(grid, nodes)
+    }
+}

@@ -1,0 +1,413 @@
+//! Ranks of MPI that compute a lattice together.
+//!
+//! No wait is MPI's own, which has no end: all that ranks send is sent without waiting, and asked after until it is
+//! there or the deadline has passed. Then rank 0 finds out who does not answer, says so, and ends all ranks.
+
+use mpi::collective::SystemOperation;
+use mpi::environment::Universe;
+use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
+use mpi::traits::{AsRaw, Communicator as _, Equivalence};
+use std::cell::RefCell;
+use std::ffi::{c_int, c_void};
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+use tremie_fluid_lbm::{Communicator, Parcel};
+
+/// Tag of parcels of halos.
+const PARCEL: c_int = 1;
+/// Tag of the question whether a rank is there, and of the answer.
+const ASK: c_int = 2;
+/// See `ASK`.
+const ANSWER: c_int = 3;
+
+/// Longest wait for the answer of a rank that is asked whether it is there.
+const ANSWER_TIME: Duration = Duration::from_secs(1);
+
+/// Bytes of a broadcast that need no second message.
+const SHORT: usize = 504;
+
+/// The handle of one rank; copies of it speak for the same rank.
+#[derive(Clone)]
+pub struct MpiRanks {
+    common: Rc<Common>,
+    /// Parcels under way.
+    swap: Rc<RefCell<Vec<MPI_Request>>>,
+}
+
+/// What all copies share.
+struct Common {
+    comm: MPI_Comm,
+    rank: c_int,
+    ranks: c_int,
+    /// Host and process of each rank.
+    names: Vec<String>,
+    deadline: RefCell<Duration>,
+}
+
+// SAFETY: the handles are used by one thread at a time, the one that computes; MPI was asked to allow that thread to
+// be any (`Threading::Serialized`).
+unsafe impl Send for MpiRanks {}
+
+/// Lets this process end with the one that launched it, so that no rank outlives its run.
+pub fn end_with_launcher() {
+    // SAFETY: asks the system for a signal; touches no memory.
+    unsafe {
+        libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+    }
+}
+
+impl MpiRanks {
+    /// All ranks that were launched together.
+    pub fn join(universe: &Universe) -> Self {
+        let world = universe.world();
+        let host = mpi::environment::processor_name().unwrap_or_else(|_| "an unknown host".into());
+        let common = Common {
+            comm: world.as_raw(),
+            rank: world.rank(),
+            ranks: world.size(),
+            names: Vec::new(),
+            deadline: RefCell::new(Duration::from_secs(60)),
+        };
+        let mut ranks = Self { common: Rc::new(common), swap: Rc::default() };
+        let own = format!("{host}\n{}", std::process::id());
+        let mut names = ranks.gather(own.as_bytes()).join(&0);
+        ranks.broadcast(&mut names);
+        let names = names.split(|&byte| byte == 0);
+        let names = names.map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+        if let Some(common) = Rc::get_mut(&mut ranks.common) {
+            common.names = names;
+        }
+        ranks
+    }
+
+    /// True for the rank that the run knows.
+    pub fn is_first(&self) -> bool {
+        self.common.rank == 0
+    }
+
+    /// Number of ranks on the host of this rank.
+    pub fn on_this_host(&self) -> usize {
+        let host = |name: &String| name.split('\n').next().map(str::to_string);
+        let own = host(&self.common.names[self.common.rank as usize]);
+        self.common.names.iter().filter(|name| host(name) == own).count()
+    }
+
+    /// Sets how long the others may take to answer.
+    pub fn set_deadline(&self, deadline: Duration) {
+        // Rank 0 speaks first: it can say who is missing, once it has asked all.
+        let later = deadline.mul_f64(1.5) + 5 * ANSWER_TIME;
+        let patience = if self.is_first() { deadline } else { later };
+        *self.common.deadline.borrow_mut() = patience;
+    }
+
+    /// The next broadcast of rank 0, however long that takes: it is waiting for the run.
+    pub fn wait_for_call(&mut self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.broadcast_within(&mut bytes, None);
+        bytes
+    }
+
+    /// A rank as a user finds it.
+    fn name(&self, rank: usize) -> String {
+        match self.common.names.get(rank).and_then(|name| name.split_once('\n')) {
+            Some((host, process)) => format!("rank {rank} on {host} (process {process})"),
+            None => format!("rank {rank}"),
+        }
+    }
+
+    /// Waits until all requests are done; `None` waits for ever.
+    fn wait(&self, requests: &mut [MPI_Request], deadline: Option<Duration>) {
+        let begin = Instant::now();
+        let mut rounds = 0_u32;
+        loop {
+            let mut done = 0;
+            // SAFETY: the requests are this rank's own, and so many; MPI writes `done` and may null requests; no
+            // status is asked for. The buffers of the requests live until they are done (callers).
+            unsafe {
+                ffi::MPI_Testall(
+                    requests.len() as c_int,
+                    requests.as_mut_ptr(),
+                    &mut done,
+                    ffi::RSMPI_STATUSES_IGNORE,
+                );
+            }
+            if done != 0 {
+                return;
+            }
+            rounds += 1;
+            if rounds.is_multiple_of(64) {
+                self.answer();
+                let waited = begin.elapsed();
+                if deadline.is_some_and(|deadline| waited > deadline) {
+                    self.give_up(waited);
+                }
+                // A long wait costs others no time.
+                if waited > Duration::from_millis(2) {
+                    std::thread::sleep(Duration::from_micros(50));
+                }
+            }
+            std::thread::yield_now();
+        }
+    }
+
+    /// True if a message with a tag has come from a rank; takes it.
+    fn take(&self, from: c_int, tag: c_int) -> Option<c_int> {
+        let mut found = 0;
+        // SAFETY: an all-zero status is one that MPI overwrites.
+        let mut status: ffi::MPI_Status = unsafe { std::mem::zeroed() };
+        // SAFETY: MPI writes to both, which live here.
+        unsafe {
+            ffi::MPI_Iprobe(from, tag, self.common.comm, &mut found, &mut status);
+        }
+        if found == 0 {
+            return None;
+        }
+        let source = status.MPI_SOURCE;
+        // SAFETY: an empty message needs no buffer; it is there, so that the call returns at once.
+        unsafe {
+            ffi::MPI_Recv(
+                std::ptr::null_mut(),
+                0,
+                u8::equivalent_datatype().as_raw(),
+                source,
+                tag,
+                self.common.comm,
+                &mut status,
+            );
+        }
+        Some(source)
+    }
+
+    /// Sends an empty message, which MPI keeps itself.
+    fn knock(&self, to: c_int, tag: c_int) {
+        // SAFETY: a null request is one that MPI overwrites; an empty message needs no buffer.
+        unsafe {
+            let mut request: MPI_Request = std::mem::zeroed();
+            ffi::MPI_Isend(
+                std::ptr::null(),
+                0,
+                u8::equivalent_datatype().as_raw(),
+                to,
+                tag,
+                self.common.comm,
+                &mut request,
+            );
+            ffi::MPI_Request_free(&mut request);
+        }
+    }
+
+    /// Answers rank 0 if it asks whether this rank is there.
+    fn answer(&self) {
+        if !self.is_first() && self.take(0, ASK).is_some() {
+            self.knock(0, ANSWER);
+        }
+    }
+
+    /// Says who does not answer, and ends all ranks.
+    fn give_up(&self, waited: Duration) -> ! {
+        let seconds = waited.as_secs_f64();
+        let missing = if self.is_first() { self.missing() } else { vec![0] };
+        let all: Vec<_> = missing.iter().map(|&rank| self.name(rank)).collect();
+        let who = if all.is_empty() { "some rank".into() } else { all.join(", ") };
+        tracing_error(&format!(
+            "{who} has not answered for {seconds:.0} s: it hangs, or its host is out of reach. \
+             `deadline` in settings.fluid-lbm-mpi allows more time"
+        ));
+        // Where MPI cannot end the others, the launcher does when this process ends.
+        std::thread::spawn(|| {
+            std::thread::sleep(Duration::from_secs(2));
+            std::process::exit(3);
+        });
+        // SAFETY: ends all processes of the world, this one among them.
+        unsafe {
+            ffi::MPI_Abort(self.common.comm, 3);
+        }
+        std::process::exit(3)
+    }
+
+    /// Ranks that do not say that they are there.
+    fn missing(&self) -> Vec<usize> {
+        let others = 1..self.common.ranks;
+        others.clone().for_each(|rank| self.knock(rank, ASK));
+        let mut silent: Vec<c_int> = others.collect();
+        let begin = Instant::now();
+        while !silent.is_empty() && begin.elapsed() < ANSWER_TIME {
+            silent.retain(|&rank| self.take(rank, ANSWER).is_none());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        silent.into_iter().map(|rank| rank as usize).collect()
+    }
+
+    fn patience(&self) -> Option<Duration> {
+        Some(*self.common.deadline.borrow())
+    }
+
+    /// Combines numbers over all ranks.
+    fn combine(&self, numbers: &mut [i64], operation: MPI_Op) {
+        if numbers.is_empty() {
+            return;
+        }
+        let own = numbers.to_vec();
+        // SAFETY: a null request is one that MPI overwrites. Both buffers hold as many numbers, and live until the
+        // request is done, below.
+        let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+        // SAFETY: as above.
+        unsafe {
+            ffi::MPI_Iallreduce(
+                own.as_ptr().cast(),
+                numbers.as_mut_ptr().cast(),
+                numbers.len() as c_int,
+                i64::equivalent_datatype().as_raw(),
+                operation,
+                self.common.comm,
+                &mut request,
+            );
+        }
+        self.wait(std::slice::from_mut(&mut request), self.patience());
+    }
+
+    /// Broadcasts so many bytes of rank 0.
+    fn broadcast_bytes(&self, bytes: &mut [u8], deadline: Option<Duration>) {
+        // SAFETY: a null request is one that MPI overwrites. The buffer lives until the request is done, below.
+        let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+        // SAFETY: as above.
+        unsafe {
+            ffi::MPI_Ibcast(
+                bytes.as_mut_ptr().cast(),
+                bytes.len() as c_int,
+                bytes_type(),
+                0,
+                self.common.comm,
+                &mut request,
+            );
+        }
+        self.wait(std::slice::from_mut(&mut request), deadline);
+    }
+
+    fn broadcast_within(&mut self, bytes: &mut Vec<u8>, deadline: Option<Duration>) {
+        let mut head = [0_u8; SHORT + 8];
+        let short = bytes.len().min(SHORT);
+        head[..8].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
+        head[8..8 + short].copy_from_slice(&bytes[..short]);
+        self.broadcast_bytes(&mut head, deadline);
+        let (length, inside) = head.split_at(8);
+        let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
+        bytes.resize(length, 0);
+        let short = length.min(SHORT);
+        bytes[..short].copy_from_slice(&inside[..short]);
+        if length > SHORT {
+            self.broadcast_bytes(&mut bytes[SHORT..], self.patience());
+        }
+    }
+}
+
+fn bytes_type() -> MPI_Datatype {
+    u8::equivalent_datatype().as_raw()
+}
+
+/// Writes an error as the run's log takes it.
+fn tracing_error(text: &str) {
+    tremie_sdk::log_line(serde_json::json!({ "level": "ERROR", "message": text }));
+}
+
+impl Communicator for MpiRanks {
+    fn rank(&self) -> usize {
+        self.common.rank as usize
+    }
+
+    fn ranks(&self) -> usize {
+        self.common.ranks as usize
+    }
+
+    fn add_up(&mut self, numbers: &mut [i64]) {
+        self.combine(numbers, SystemOperation::sum().as_raw());
+    }
+
+    fn largest(&mut self, numbers: &mut [i64]) {
+        self.combine(numbers, SystemOperation::max().as_raw());
+    }
+
+    fn begin_swap(&mut self, sends: &[Parcel], receives: &mut [Parcel]) {
+        let comm = self.common.comm;
+        let mut requests = self.swap.borrow_mut();
+        // SAFETY (of all below): a null request is one that MPI overwrites. The parcels keep their place and length
+        // until `end_swap` has seen the requests done: that is what callers of the trait promise.
+        for parcel in receives {
+            let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+            let (bytes, count) = (parcel.bytes.as_mut_ptr(), parcel.bytes.len() as c_int);
+            let from = parcel.rank as c_int;
+            // SAFETY: see above.
+            unsafe {
+                let bytes = bytes.cast::<c_void>();
+                ffi::MPI_Irecv(bytes, count, bytes_type(), from, PARCEL, comm, &mut request);
+            }
+            requests.push(request);
+        }
+        for parcel in sends {
+            // SAFETY: see above.
+            let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+            let (bytes, count) = (parcel.bytes.as_ptr(), parcel.bytes.len() as c_int);
+            let to = parcel.rank as c_int;
+            // SAFETY: see above.
+            unsafe {
+                let bytes = bytes.cast::<c_void>();
+                ffi::MPI_Isend(bytes, count, bytes_type(), to, PARCEL, comm, &mut request);
+            }
+            requests.push(request);
+        }
+    }
+
+    fn end_swap(&mut self, _receives: &mut [Parcel]) {
+        let mut requests = std::mem::take(&mut *self.swap.borrow_mut());
+        self.wait(&mut requests, self.patience());
+        requests.clear();
+        *self.swap.borrow_mut() = requests;
+    }
+
+    fn gather(&mut self, bytes: &[u8]) -> Vec<Vec<u8>> {
+        let Common { comm, rank, ranks, .. } = *self.common;
+        let mut counts = vec![0_i64; ranks as usize];
+        counts[rank as usize] = bytes.len() as i64;
+        self.add_up(&mut counts);
+        let mut places: Vec<c_int> = Vec::with_capacity(counts.len());
+        let mut all = 0;
+        for count in &counts {
+            places.push(all);
+            all += *count as c_int;
+        }
+        let counts: Vec<c_int> = counts.into_iter().map(|count| count as c_int).collect();
+        // Never without an address: that of an empty list may be one which means something else to MPI.
+        let mut room = vec![0_u8; if rank == 0 { all as usize } else { 0 } + 1];
+        let own = [bytes, &[0]].concat();
+        // SAFETY: a null request is one that MPI overwrites. Counts and places are those of the room, which is on
+        // rank 0; all live until the request is done.
+        let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+        // SAFETY: as above.
+        unsafe {
+            ffi::MPI_Igatherv(
+                own.as_ptr().cast(),
+                bytes.len() as c_int,
+                bytes_type(),
+                room.as_mut_ptr().cast(),
+                counts.as_ptr(),
+                places.as_ptr(),
+                bytes_type(),
+                0,
+                comm,
+                &mut request,
+            );
+        }
+        self.wait(std::slice::from_mut(&mut request), self.patience());
+        if rank != 0 {
+            return Vec::new();
+        }
+        let of_rank = |(&first, &count): (&c_int, &c_int)| {
+            room[first as usize..(first + count) as usize].to_vec()
+        };
+        places.iter().zip(&counts).map(of_rank).collect()
+    }
+
+    fn broadcast(&mut self, bytes: &mut Vec<u8>) {
+        self.broadcast_within(bytes, self.patience());
+    }
+}

@@ -1,0 +1,189 @@
+//! Which cells of a lattice each rank computes.
+//!
+//! Stored cells have numbers in the order of the box, and each 4096 of them are a block. A rank has blocks that
+//! follow each other, as many as any other but for one. It also holds copies of the cells around them, whole blocks
+//! again, [`DEPTH`] layers deep along the lattice's last axis: a step computes these, too, and then takes what their
+//! own rank says. So everything that looks at neighbours finds them, and finds what a lattice in one piece has there.
+//!
+//! A rank's cells keep their places within lines and blocks: what is added up in a block has the same bits whoever
+//! computes it.
+
+use crate::lattice::layout::{CELLS_PER_BLOCK, block_of};
+use std::ops::Range;
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::cells::obstacles::Obstacles;
+use tremie_messages::Problem;
+use tremie_messages::scene::Scene;
+
+/// Least number of layers of copies around a rank's cells. A step reaches so far at most: a cell that a body uncovers takes from its
+/// neighbours, then streams; and a cell at an open face takes from the next one inside what has streamed there.
+pub const DEPTH: i32 = 3;
+
+/// Refuses scenes with what looks farther than to neighbours, so that shares of a lattice would not know of it.
+///
+/// # Errors
+/// A problem with each.
+pub fn check_scene(scene: &Scene) -> Result<(), Vec<Problem>> {
+    let help = "run this scene with fluid-lbm, on one machine";
+    let problem = |at: &str, what: &str| {
+        Problem::new(at, format!("a lattice that several ranks compute has no {what} yet"))
+            .help(help)
+    };
+    let mut problems = Vec::new();
+    if !scene.surfaces.is_empty() {
+        problems.push(problem("scene.surfaces[0]", "surfaces that deform"));
+    }
+    if !scene.gaps.is_empty() {
+        problems.push(problem("scene.gaps[0]", "declared gaps"));
+    }
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// The blocks of a lattice, shared out among ranks.
+#[derive(Clone, Debug)]
+pub struct CellShares {
+    /// First and last layer of each block.
+    layers: Vec<[i32; 2]>,
+    /// Layers of the box, and whether the last is next to the first.
+    count: i32,
+    is_periodic: bool,
+    ranks: usize,
+    depth: i32,
+}
+
+/// The cells that one rank holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Its blocks, by number in the whole lattice, ascending.
+    blocks: Vec<u32>,
+    /// Those among them whose cells it counts.
+    own: Range<u32>,
+}
+
+impl Window {
+    /// True if a cell is held, by its number in the whole lattice.
+    pub fn holds(&self, cell: u32) -> bool {
+        self.blocks.binary_search(&block_of(cell)).is_ok()
+    }
+
+    /// The cells that it counts, by their numbers among the `held`.
+    pub fn own_cells(&self, held: usize) -> Range<u32> {
+        let first = self.place(self.own.start).unwrap_or_default();
+        let end = first + self.own.end - self.own.start;
+        first * CELLS_PER_BLOCK..(end * CELLS_PER_BLOCK).min(held as u32)
+    }
+
+    /// Place of a block of the whole lattice among those that are held.
+    pub fn place(&self, block: u32) -> Option<u32> {
+        self.blocks.binary_search(&block).ok().map(|place| place as u32)
+    }
+}
+
+impl CellShares {
+    /// Of a box with static solids, for so many ranks, with bodies of a radius that may vanish: the cells deep
+    /// inside one then look out of it.
+    ///
+    /// # Errors
+    /// More ranks than blocks: a sentence.
+    pub fn new(
+        grid: &Grid,
+        obstacles: &Obstacles,
+        (ranks, radius): (usize, f64),
+    ) -> Result<Self, String> {
+        let layer_cells = (grid.n[0] * grid.n[1]) as usize;
+        let (mut layers, mut stored): (Vec<[i32; 2]>, u32) = (Vec::new(), 0);
+        for index in 0..grid.len() {
+            if obstacles.solid.get(index).is_some_and(|&solid| solid != 0) {
+                continue;
+            }
+            let layer = (index / layer_cells) as i32;
+            match layers.last_mut() {
+                Some(last) if stored % CELLS_PER_BLOCK != 0 => last[1] = layer,
+                _ => layers.push([layer; 2]),
+            }
+            stored += 1;
+        }
+        if layers.len() < ranks {
+            return Err(format!(
+                "{stored} cells are {0} blocks of {CELLS_PER_BLOCK}, too few for {ranks} ranks; take at most {0}",
+                layers.len()
+            ));
+        }
+        let depth = DEPTH.max(radius.ceil() as i32 + DEPTH);
+        Ok(Self { layers, count: grid.n[2], is_periodic: grid.periodic[2], ranks, depth })
+    }
+
+    /// The blocks that a rank counts.
+    pub fn own(&self, rank: usize) -> Range<u32> {
+        let begin = |rank: usize| (self.layers.len() * rank / self.ranks) as u32;
+        begin(rank)..begin(rank + 1)
+    }
+
+    /// All that a rank holds.
+    pub fn window(&self, rank: usize) -> Window {
+        let own = self.own(rank);
+        let all = &self.layers[own.start as usize..own.end as usize];
+        let first = all.first().map_or(0, |layers| layers[0]) - self.depth;
+        let last = all.last().map_or(0, |layers| layers[1]) + self.depth;
+        let meets = |[low, high]: [i32; 2]| {
+            let shifts = if self.is_periodic { -1..=1 } else { 0..=0 };
+            let shifts = shifts.map(|turns: i32| turns * self.count);
+            shifts.into_iter().any(|shift| low + shift <= last && high + shift >= first)
+        };
+        let held = (0..).zip(&self.layers).filter(|(_, layers)| meets(**layers));
+        Window { blocks: held.map(|(block, _)| block).collect(), own }
+    }
+
+    /// The blocks that a rank holds copies of, and another counts.
+    pub fn copies(&self, holder: usize, owner: usize) -> impl Iterator<Item = u32> {
+        let (window, own) = (self.window(holder), self.own(owner));
+        window.blocks.into_iter().filter(move |block| own.contains(block))
+    }
+
+    /// Number of ranks.
+    pub fn ranks(&self) -> usize {
+        self.ranks
+    }
+}
+
+/// Radius of the largest body that may vanish in a scene [m]; 0 where all stay.
+pub fn largest_to_vanish(scene: &Scene) -> f64 {
+    if scene.outlets.is_empty() {
+        return 0.0;
+    }
+    let of_sets = scene.bodies.iter().map(|set| set.placement.sizes().extremes()[1]);
+    let of_inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[1]);
+    0.5 * of_sets.chain(of_inlets).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every block is one rank's own; a window holds all cells in reach of its own, through a periodic face too.
+    #[test]
+    fn windows_hold_what_is_in_reach() {
+        let grid = Grid::walled([40, 30, 90], [false, false, true]);
+        let shares = CellShares::new(&grid, &Obstacles::default(), (5, 0.0)).unwrap();
+        let all: Vec<u32> = (0..5).flat_map(|rank| shares.own(rank)).collect();
+        assert!(all.iter().copied().eq(0..(40_u32 * 30 * 90).div_ceil(CELLS_PER_BLOCK)));
+        for rank in 0..5 {
+            let (window, own) = (shares.window(rank), shares.own(rank));
+            let held = (0..40 * 30 * 90).filter(|&cell| window.holds(cell)).count();
+            let cells = window.own_cells(held);
+            assert_eq!(cells.start % CELLS_PER_BLOCK, 0);
+            for block in own {
+                let first = block * CELLS_PER_BLOCK;
+                for step in [-DEPTH * 1200, DEPTH * 1200] {
+                    let near = (first as i32 + step).rem_euclid(40 * 30 * 90) as u32;
+                    assert!(window.holds(near), "{rank} {first} {step}");
+                }
+            }
+        }
+        assert!(
+            CellShares::new(&grid, &Obstacles::default(), (500, 0.0))
+                .unwrap_err()
+                .contains("too few")
+        );
+    }
+}
