@@ -180,9 +180,9 @@ impl MpiRanks {
 
     /// Sends an empty message, which MPI keeps itself.
     fn knock(&self, to: c_int, tag: c_int) {
-        // SAFETY: a null request is one that MPI overwrites; an empty message needs no buffer.
+        let mut request = no_request();
+        // SAFETY: an empty message needs no buffer.
         unsafe {
-            let mut request: MPI_Request = std::mem::zeroed();
             ffi::MPI_Isend(
                 std::ptr::null(),
                 0,
@@ -248,10 +248,8 @@ impl MpiRanks {
             return;
         }
         let own = numbers.to_vec();
-        // SAFETY: a null request is one that MPI overwrites. Both buffers hold as many numbers, and live until the
-        // request is done, below.
-        let mut request: MPI_Request = unsafe { std::mem::zeroed() };
-        // SAFETY: as above.
+        let mut request = no_request();
+        // SAFETY: both buffers hold as many numbers, and live until the request is done, below.
         unsafe {
             ffi::MPI_Iallreduce(
                 own.as_ptr().cast(),
@@ -268,9 +266,8 @@ impl MpiRanks {
 
     /// Broadcasts so many bytes of rank 0.
     fn broadcast_bytes(&self, bytes: &mut [u8], deadline: Option<Duration>) {
-        // SAFETY: a null request is one that MPI overwrites. The buffer lives until the request is done, below.
-        let mut request: MPI_Request = unsafe { std::mem::zeroed() };
-        // SAFETY: as above.
+        let mut request = no_request();
+        // SAFETY: the buffer lives until the request is done, below.
         unsafe {
             ffi::MPI_Ibcast(
                 bytes.as_mut_ptr().cast(),
@@ -299,6 +296,12 @@ impl MpiRanks {
             self.broadcast_bytes(&mut bytes[SHORT..], self.patience());
         }
     }
+}
+
+/// A request that is yet to be made.
+fn no_request() -> MPI_Request {
+    // SAFETY: a number or an address, which MPI overwrites; zero is either.
+    unsafe { std::mem::zeroed() }
 }
 
 fn bytes_type() -> MPI_Datatype {
@@ -330,13 +333,12 @@ impl Communicator for MpiRanks {
     fn begin_swap(&mut self, sends: &[Parcel], receives: &mut [Parcel]) {
         let comm = self.common.comm;
         let mut requests = self.swap.borrow_mut();
-        // SAFETY (of all below): a null request is one that MPI overwrites. The parcels keep their place and length
-        // until `end_swap` has seen the requests done: that is what callers of the trait promise.
         for parcel in receives {
-            let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+            let mut request = no_request();
             let (bytes, count) = (parcel.bytes.as_mut_ptr(), parcel.bytes.len() as c_int);
             let from = parcel.rank as c_int;
-            // SAFETY: see above.
+            // SAFETY: parcels keep their place and length until `end_swap` has seen the requests done, which is what
+            // callers of the trait promise.
             unsafe {
                 let bytes = bytes.cast::<c_void>();
                 ffi::MPI_Irecv(bytes, count, bytes_type(), from, PARCEL, comm, &mut request);
@@ -344,11 +346,10 @@ impl Communicator for MpiRanks {
             requests.push(request);
         }
         for parcel in sends {
-            // SAFETY: see above.
-            let mut request: MPI_Request = unsafe { std::mem::zeroed() };
+            let mut request = no_request();
             let (bytes, count) = (parcel.bytes.as_ptr(), parcel.bytes.len() as c_int);
             let to = parcel.rank as c_int;
-            // SAFETY: see above.
+            // SAFETY: as above.
             unsafe {
                 let bytes = bytes.cast::<c_void>();
                 ffi::MPI_Isend(bytes, count, bytes_type(), to, PARCEL, comm, &mut request);
@@ -379,10 +380,8 @@ impl Communicator for MpiRanks {
         // Never without an address: that of an empty list may be one which means something else to MPI.
         let mut room = vec![0_u8; if rank == 0 { all as usize } else { 0 } + 1];
         let own = [bytes, &[0]].concat();
-        // SAFETY: a null request is one that MPI overwrites. Counts and places are those of the room, which is on
-        // rank 0; all live until the request is done.
-        let mut request: MPI_Request = unsafe { std::mem::zeroed() };
-        // SAFETY: as above.
+        let mut request = no_request();
+        // SAFETY: counts and places are those of the room, which is on rank 0; all live until the request is done.
         unsafe {
             ffi::MPI_Igatherv(
                 own.as_ptr().cast(),

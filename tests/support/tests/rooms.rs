@@ -6,8 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms from the lowest floor up.
-const FLUID: [&str; 8] =
-    ["lattice", "domain", "bodies", "boundary", "gaps", "solver", "report", "fluid"];
+const FLUID: [&str; 9] =
+    ["lattice", "ranks", "domain", "bodies", "boundary", "gaps", "solver", "report", "fluid"];
 const GRAINS: [&str; 10] = [
     "math",
     "bodies",

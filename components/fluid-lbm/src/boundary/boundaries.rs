@@ -19,7 +19,7 @@ use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
-use crate::ranks::cell_shares::Window;
+use crate::ranks::cell_shares::HeldBlocks;
 use crate::ranks::rank_sums::Ranks;
 use std::sync::Arc;
 use tremie_fluid_kit::cells::centres::Centres;
@@ -155,7 +155,7 @@ impl Boundaries {
 
     /// Lays out the cells, and finds all links and cells that need work.
     /// A rank that does not compute them alone has those of its `window`.
-    pub fn build<T: Real>(&mut self, ranks: &mut Ranks, window: Option<&Window>) -> Built<T> {
+    pub fn build<T: Real>(&mut self, ranks: &mut Ranks, window: Option<&HeldBlocks>) -> Built<T> {
         let special = |fixture| self.is_special(fixture);
         // Cells that other ranks hold are as those to which no way leads.
         let beyond = BoundaryId::solid(self.ground.solids.len() as u16);

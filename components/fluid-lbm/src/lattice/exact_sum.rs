@@ -73,7 +73,7 @@ impl AddAssign for ExactSum {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.units = self.units.wrapping_add(other.units);
-        self.is_strange |= other.is_strange;
+        self.is_strange = self.is_strange || other.is_strange;
     }
 }
 

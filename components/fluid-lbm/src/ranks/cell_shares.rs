@@ -53,14 +53,14 @@ pub struct CellShares {
 
 /// The cells that one rank holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Window {
+pub struct HeldBlocks {
     /// Its blocks, by number in the whole lattice, ascending.
     blocks: Vec<u32>,
     /// Those among them whose cells it counts.
     own: Range<u32>,
 }
 
-impl Window {
+impl HeldBlocks {
     /// True if a cell is held, by its number in the whole lattice.
     pub fn holds(&self, cell: u32) -> bool {
         self.blocks.binary_search(&block_of(cell)).is_ok()
@@ -120,7 +120,7 @@ impl CellShares {
     }
 
     /// All that a rank holds.
-    pub fn window(&self, rank: usize) -> Window {
+    pub fn window(&self, rank: usize) -> HeldBlocks {
         let own = self.own(rank);
         let all = &self.layers[own.start as usize..own.end as usize];
         let first = all.first().map_or(0, |layers| layers[0]) - self.depth;
@@ -131,7 +131,7 @@ impl CellShares {
             shifts.into_iter().any(|shift| low + shift <= last && high + shift >= first)
         };
         let held = (0..).zip(&self.layers).filter(|(_, layers)| meets(**layers));
-        Window { blocks: held.map(|(block, _)| block).collect(), own }
+        HeldBlocks { blocks: held.map(|(block, _)| block).collect(), own }
     }
 
     /// The blocks that a rank holds copies of, and another counts.

@@ -27,7 +27,8 @@ pub trait Communicator: Send {
     /// Finds the largest of numbers over all ranks, each by itself.
     fn largest(&mut self, numbers: &mut [i64]);
 
-    /// Begins to send parcels to other ranks, and to receive theirs. Parcels to and from one rank keep their order.
+    /// Begins to send parcels to other ranks, and to receive theirs. Parcels to and from one rank keep their order. The
+    /// bytes of all parcels must keep their place in memory, and sent ones their values, until `end_swap` is back.
     fn begin_swap(&mut self, sends: &[Parcel], receives: &mut [Parcel]);
 
     /// Ends it: the parcels that come are there.

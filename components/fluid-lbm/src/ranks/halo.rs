@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// Cells that go to another rank, or come from it.
 #[derive(Clone, Debug)]
-struct Way {
+struct Route {
     /// Runs of cells, by their numbers on this rank.
     cells: Vec<Range<u32>>,
 }
@@ -18,8 +18,8 @@ struct Way {
 /// What a rank sends to others and takes from them in each step.
 #[derive(Clone, Debug, Default)]
 pub struct Halo {
-    sends: Vec<Way>,
-    receives: Vec<Way>,
+    sends: Vec<Route>,
+    receives: Vec<Route>,
     sent: Vec<Parcel>,
     received: Vec<Parcel>,
     is_under_way: bool,
@@ -39,11 +39,11 @@ impl Halo {
                     _ => cells.push(first..end),
                 }
             }
-            Way { cells }
+            Route { cells }
         };
         let mut own = Self::default();
         for other in (0..shares.ranks()).filter(|&other| other != rank) {
-            let parcel = |way: &Way| {
+            let parcel = |way: &Route| {
                 let cells: usize = way.cells.iter().map(Range::len).sum();
                 Parcel { rank: other, bytes: vec![0; cells * Q * bytes] }
             };
@@ -109,7 +109,7 @@ impl Halo {
     }
 }
 
-impl Way {
+impl Route {
     /// Visits the places in which the collision of a parity finds the populations of all cells, in an order that
     /// does not depend on the rank.
     fn each_place(&self, layout: &Layout, parity: Parity, mut visit: impl FnMut(usize)) {

@@ -148,8 +148,8 @@ impl ReservoirSurface {
         let cells: Vec<&[Blocked]> = links.chunk_by(|a, b| a.cell == b.cell).collect();
         let numbers: Vec<u32> = cells.iter().map(|links| links[0].cell).collect();
         let item = |range: Range<usize>| {
-            let mut item = SurfaceItem::default();
-            item.is_own = layout.is_own(cells[range.start][0].cell);
+            let is_own = layout.is_own(cells[range.start][0].cell);
+            let mut item = SurfaceItem { is_own, ..SurfaceItem::default() };
             for links in &cells[range] {
                 let first = item.links.len() as u32;
                 item.links.extend(links.iter().map(|link| SurfaceLink {
