@@ -4,7 +4,7 @@ use crate::domain::parameters::Parameters;
 use crate::fluid::lbm_fluid::{line_of, turned};
 use crate::lattice::d3q19::Q;
 use crate::lattice::layout::CELLS_PER_BLOCK;
-use crate::ranks::cell_shares::{CellShares, check_scene, largest_to_vanish};
+use crate::ranks::cell_shares::{CellShares, check_scene, depth};
 use tremie_messages::Problem;
 use tremie_messages::scene::Scene;
 
@@ -21,8 +21,9 @@ pub fn shares_of_ranks(
     check_scene(scene)?;
     let line = line_of(parameters.precision);
     let (_, _, ground) = turned(scene, &resolution, ground, line);
-    let radius = largest_to_vanish(scene) / parameters.cell.0;
-    let shares = CellShares::new(&ground.grid, &ground.voxels.obstacles, (ranks, radius))
+    let obstacles = &ground.voxels.obstacles;
+    let depth = depth(scene, obstacles, parameters.cell.0);
+    let shares = CellShares::new(&ground.grid, obstacles, (ranks, depth))
         .map_err(|text| vec![Problem::of_parameter("launch", text)])?;
     let all = resolution.fluid_cells as f64;
     let held = |rank: usize| {

@@ -138,6 +138,11 @@ impl CellList {
         }
     }
 
+    /// True if links meet this where they end in a cell that is left out.
+    pub fn is_beyond(&self, fixture: BoundaryId) -> bool {
+        fixture == self.beyond
+    }
+
     /// What a link meets that ends in a cell which is not stored.
     fn unstored(&self, obstacles: &Obstacles, index: usize) -> BoundaryId {
         let solid = obstacles.solid.get(index).and_then(|solid| solid.checked_sub(1));

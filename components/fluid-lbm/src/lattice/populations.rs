@@ -183,6 +183,24 @@ impl<T: Real> Field<T> {
         value.to_f64()
     }
 
+    /// Copies the numbers from a place on to as many bytes.
+    #[inline]
+    pub fn read_run(&self, place: usize, bytes: &mut [u8]) {
+        let places = self.places()[place..].iter();
+        for (place, bytes) in places.zip(bytes.chunks_exact_mut(size_of::<T>())) {
+            T::load(place).put(bytes);
+        }
+    }
+
+    /// Copies as many numbers from bytes to places from one on.
+    #[inline]
+    pub fn write_run(&self, place: usize, bytes: &[u8]) {
+        let places = self.places()[place..].iter();
+        for (place, bytes) in places.zip(bytes.chunks_exact(size_of::<T>())) {
+            T::get(bytes).store(place);
+        }
+    }
+
     /// Fetches a place that will be used soon.
     #[inline(always)]
     pub fn prefetch(&self, place: usize) {

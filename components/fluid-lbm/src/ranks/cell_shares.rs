@@ -2,7 +2,7 @@
 //!
 //! Stored cells have numbers in the order of the box, and each 4096 of them are a block. A rank has blocks that
 //! follow each other, as many as any other but for one. It also holds copies of the cells around them, whole blocks
-//! again, [`DEPTH`] layers deep along the lattice's last axis: a step computes these, too, and then takes what their
+//! again, some layers deep ([`depth`]) along the lattice's last axis: a step computes these, too, and then takes what their
 //! own rank says. So everything that looks at neighbours finds them, and finds what a lattice in one piece has there.
 //!
 //! A rank's cells keep their places within lines and blocks: what is added up in a block has the same bits whoever
@@ -13,11 +13,24 @@ use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::cells::obstacles::Obstacles;
 use tremie_messages::Problem;
-use tremie_messages::scene::Scene;
+use tremie_messages::scene::{BodySet, Face, Motion, Part, Placement, Scene};
 
-/// Least number of layers of copies around a rank's cells. A step reaches so far at most: a cell that a body uncovers takes from its
-/// neighbours, then streams; and a cell at an open face takes from the next one inside what has streamed there.
-pub const DEPTH: i32 = 3;
+/// Layers of copies around a rank's cells: so far a step looks. What streams comes from the next cell. A cell that a
+/// body uncovers takes from its neighbours before that; and an edge that cuts a link between two cells looks behind
+/// either. A body that vanishes leaves cells as deep as it was.
+pub fn depth(scene: &Scene, obstacles: &Obstacles, cell: f64) -> i32 {
+    let moves = |part: &Part| !matches!(part.motion, Motion::Fixed);
+    let is_polyhedra = |set: &BodySet| matches!(set.placement, Placement::Polyhedra(_));
+    let vanishing = (largest_to_vanish(scene) / cell).ceil() as i32;
+    if scene.parts.iter().any(moves) || scene.bodies.iter().any(is_polyhedra) || vanishing > 0 {
+        return 3 + vanishing;
+    }
+    let is_open =
+        |face: &Face| !matches!(face, Face::Periodic | Face::Wall { .. } | Face::Symmetry);
+    let opens = scene.domain.faces.iter().flatten().any(is_open);
+    let looks_on = opens || !scene.bodies.is_empty() || !obstacles.sheets.is_empty();
+    if looks_on { 2 } else { 1 }
+}
 
 /// Refuses scenes with what looks farther than to neighbours, so that shares of a lattice would not know of it.
 ///
@@ -73,6 +86,11 @@ impl HeldBlocks {
         first * CELLS_PER_BLOCK..(end * CELLS_PER_BLOCK).min(held as u32)
     }
 
+    /// Number in the whole lattice of a cell that is held.
+    pub fn in_whole(&self, cell: u32) -> u32 {
+        self.blocks[block_of(cell) as usize] * CELLS_PER_BLOCK + cell % CELLS_PER_BLOCK
+    }
+
     /// Place of a block of the whole lattice among those that are held.
     pub fn place(&self, block: u32) -> Option<u32> {
         self.blocks.binary_search(&block).ok().map(|place| place as u32)
@@ -80,15 +98,14 @@ impl HeldBlocks {
 }
 
 impl CellShares {
-    /// Of a box with static solids, for so many ranks, with bodies of a radius that may vanish: the cells deep
-    /// inside one then look out of it.
+    /// Of a box with static solids, for so many ranks, with copies so many layers deep; see [`depth`].
     ///
     /// # Errors
     /// More ranks than blocks: a sentence.
     pub fn new(
         grid: &Grid,
         obstacles: &Obstacles,
-        (ranks, radius): (usize, f64),
+        (ranks, depth): (usize, i32),
     ) -> Result<Self, String> {
         let layer_cells = (grid.n[0] * grid.n[1]) as usize;
         let (mut layers, mut stored): (Vec<[i32; 2]>, u32) = (Vec::new(), 0);
@@ -109,7 +126,6 @@ impl CellShares {
                 layers.len()
             ));
         }
-        let depth = DEPTH.max(radius.ceil() as i32 + DEPTH);
         Ok(Self { layers, count: grid.n[2], is_periodic: grid.periodic[2], ranks, depth })
     }
 
@@ -140,6 +156,11 @@ impl CellShares {
         window.blocks.into_iter().filter(move |block| own.contains(block))
     }
 
+    /// Layers of copies.
+    pub fn depth(&self) -> i32 {
+        self.depth
+    }
+
     /// Number of ranks.
     pub fn ranks(&self) -> usize {
         self.ranks
@@ -147,7 +168,7 @@ impl CellShares {
 }
 
 /// Radius of the largest body that may vanish in a scene [m]; 0 where all stay.
-pub fn largest_to_vanish(scene: &Scene) -> f64 {
+fn largest_to_vanish(scene: &Scene) -> f64 {
     if scene.outlets.is_empty() {
         return 0.0;
     }
@@ -164,7 +185,7 @@ mod tests {
     #[test]
     fn windows_hold_what_is_in_reach() {
         let grid = Grid::walled([40, 30, 90], [false, false, true]);
-        let shares = CellShares::new(&grid, &Obstacles::default(), (5, 0.0)).unwrap();
+        let shares = CellShares::new(&grid, &Obstacles::default(), (5, 3)).unwrap();
         let all: Vec<u32> = (0..5).flat_map(|rank| shares.own(rank)).collect();
         assert!(all.iter().copied().eq(0..(40_u32 * 30 * 90).div_ceil(CELLS_PER_BLOCK)));
         for rank in 0..5 {
@@ -174,14 +195,14 @@ mod tests {
             assert_eq!(cells.start % CELLS_PER_BLOCK, 0);
             for block in own {
                 let first = block * CELLS_PER_BLOCK;
-                for step in [-DEPTH * 1200, DEPTH * 1200] {
+                for step in [-3 * 1200, 3 * 1200] {
                     let near = (first as i32 + step).rem_euclid(40 * 30 * 90) as u32;
                     assert!(window.holds(near), "{rank} {first} {step}");
                 }
             }
         }
         assert!(
-            CellShares::new(&grid, &Obstacles::default(), (500, 0.0))
+            CellShares::new(&grid, &Obstacles::default(), (500, 3))
                 .unwrap_err()
                 .contains("too few")
         );

@@ -1,18 +1,26 @@
 //! The copies that ranks hold of each other's cells, brought up to date at the end of a step.
+//!
+//! Where a step looks no farther than to the next cell (a depth of 1), the copies keep themselves up to date but for what
+//! streams to them from cells that the rank does not hold: some five populations of a cell in the outermost layer. Those
+//! are sent, and all of the copies at walls. Else all populations of all copies are.
 
 use crate::lattice::aa_pattern::Parity;
-use crate::lattice::d3q19::Q;
+use crate::lattice::cell_list::LinkEnd;
+use crate::lattice::d3q19::{OPPOSITE, Q};
 use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
 use crate::lattice::populations::{Field, Real};
 use crate::ranks::cell_shares::CellShares;
 use crate::ranks::communicator::{Communicator, Parcel};
 use std::ops::Range;
+use tremie_fluid_kit::cells::obstacles::Obstacles;
 
 /// Cells that go to another rank, or come from it.
 #[derive(Clone, Debug)]
 struct Route {
-    /// Runs of cells, by their numbers on this rank.
+    /// Runs of cells all of whose populations go, by their numbers on this rank.
     cells: Vec<Range<u32>>,
+    /// Places of populations that go one by one, when the next collision is even and when it is odd.
+    single: [Vec<u32>; 2],
 }
 
 /// What a rank sends to others and takes from them in each step.
@@ -27,7 +35,12 @@ pub struct Halo {
 
 impl Halo {
     /// Of a rank, for numbers of so many bytes.
-    pub fn new(shares: &CellShares, rank: usize, layout: &Layout, bytes: usize) -> Self {
+    pub fn new(
+        shares: &CellShares,
+        rank: usize,
+        (layout, obstacles): (&Layout, &Obstacles),
+        bytes: usize,
+    ) -> Self {
         let window = shares.window(rank);
         let runs = |blocks: &mut dyn Iterator<Item = u32>| {
             let mut cells: Vec<Range<u32>> = Vec::new();
@@ -39,21 +52,25 @@ impl Halo {
                     _ => cells.push(first..end),
                 }
             }
-            Route { cells }
+            Route { cells, single: Default::default() }
         };
         let mut own = Self::default();
         for other in (0..shares.ranks()).filter(|&other| other != rank) {
-            let parcel = |way: &Route| {
-                let cells: usize = way.cells.iter().map(Range::len).sum();
-                Parcel { rank: other, bytes: vec![0; cells * Q * bytes] }
-            };
-            let sends = runs(&mut shares.copies(other, rank));
-            let receives = runs(&mut shares.copies(rank, other));
-            if !sends.cells.is_empty() {
+            let parcel =
+                |route: &Route| Parcel { rank: other, bytes: vec![0; route.numbers() * bytes] };
+            let mut sends = runs(&mut shares.copies(other, rank));
+            let mut receives = runs(&mut shares.copies(rank, other));
+            if shares.depth() == 1 {
+                let held = shares.window(other);
+                let is_held = |cell: u32| held.holds(window.in_whole(cell));
+                sends.select(layout, obstacles, is_held);
+                receives.select(layout, obstacles, |_| true);
+            }
+            if sends.numbers() > 0 {
                 own.sent.push(parcel(&sends));
                 own.sends.push(sends);
             }
-            if !receives.cells.is_empty() {
+            if receives.numbers() > 0 {
                 own.received.push(parcel(&receives));
                 own.receives.push(receives);
             }
@@ -70,11 +87,15 @@ impl Halo {
         way: &mut dyn Communicator,
     ) {
         for (send, parcel) in self.sends.iter().zip(&mut self.sent) {
-            let mut bytes = parcel.bytes.chunks_exact_mut(size_of::<T>());
-            send.each_place(layout, parity, |place| {
-                if let Some(bytes) = bytes.next() {
-                    T::from_f64(field.get(place)).put(bytes);
-                }
+            let (single, mut rest) = parcel.bytes.split_at_mut(send.single_bytes::<T>());
+            let places = &send.single[parity as usize];
+            for (&place, bytes) in places.iter().zip(single.chunks_exact_mut(size_of::<T>())) {
+                field.read_run(place as usize, bytes);
+            }
+            send.each_run(layout, T::LINE, parity, |place, count| {
+                let (own, others) = std::mem::take(&mut rest).split_at_mut(count * size_of::<T>());
+                field.read_run(place, own);
+                rest = others;
             });
         }
         way.begin_swap(&self.sent, &mut self.received);
@@ -94,11 +115,15 @@ impl Halo {
         }
         way.end_swap(&mut self.received);
         for (receive, parcel) in self.receives.iter().zip(&self.received) {
-            let mut bytes = parcel.bytes.chunks_exact(size_of::<T>());
-            receive.each_place(layout, parity, |place| {
-                if let Some(bytes) = bytes.next() {
-                    field.set(place, T::get(bytes).to_f64());
-                }
+            let (single, mut rest) = parcel.bytes.split_at(receive.single_bytes::<T>());
+            let places = &receive.single[parity as usize];
+            for (&place, bytes) in places.iter().zip(single.chunks_exact(size_of::<T>())) {
+                field.write_run(place as usize, bytes);
+            }
+            receive.each_run(layout, T::LINE, parity, |place, count| {
+                let (own, others) = rest.split_at(count * size_of::<T>());
+                field.write_run(place, own);
+                rest = others;
             });
         }
     }
@@ -110,11 +135,80 @@ impl Halo {
 }
 
 impl Route {
-    /// Visits the places in which the collision of a parity finds the populations of all cells, in an order that
-    /// does not depend on the rank.
-    fn each_place(&self, layout: &Layout, parity: Parity, mut visit: impl FnMut(usize)) {
-        for cell in self.cells.iter().cloned().flatten() {
-            layout.places.of_cell(parity, cell).into_iter().for_each(&mut visit);
+    /// Numbers that go.
+    fn numbers(&self) -> usize {
+        self.cells.iter().map(Range::len).sum::<usize>() * Q + self.single[0].len()
+    }
+
+    /// Bytes of those that go one by one.
+    fn single_bytes<T: Real>(&self) -> usize {
+        self.single[0].len() * size_of::<T>()
+    }
+
+    /// Leaves of the cells those at walls, and of others the populations that come from cells which are not held by
+    /// whom they go to.
+    fn select(&mut self, layout: &Layout, obstacles: &Obstacles, is_held: impl Fn(u32) -> bool) {
+        let mut at_walls: Vec<Range<u32>> = Vec::new();
+        for cell in std::mem::take(&mut self.cells).into_iter().flatten() {
+            let ends =
+                (1..Q).map(|i| layout.cells.end(&layout.grid, obstacles, layout.at(cell), i));
+            let ends: Vec<LinkEnd> = ends.collect();
+            let is_wall = |end: &LinkEnd| match end {
+                LinkEnd::Cell { mirrors, .. } => *mirrors != 0,
+                LinkEnd::BoundaryId(fixture) => !layout.cells.is_beyond(*fixture),
+            };
+            if ends.iter().any(is_wall) {
+                match at_walls.last_mut() {
+                    Some(last) if last.end == cell => last.end += 1,
+                    _ => at_walls.push(cell..cell + 1),
+                }
+                continue;
+            }
+            // A population comes against the link of the opposite direction.
+            for i in 1..Q {
+                let is_missing = match ends[OPPOSITE[i] - 1] {
+                    LinkEnd::Cell { cell, .. } => !is_held(cell),
+                    LinkEnd::BoundaryId(_) => true,
+                };
+                if is_missing {
+                    for parity in [Parity::Even, Parity::Odd] {
+                        let place = layout.place(parity, cell, i) as u32;
+                        self.single[parity as usize].push(place);
+                    }
+                }
+            }
+        }
+        self.cells = at_walls;
+    }
+
+    /// Visits the places in which the collision of a parity finds the populations of all cells, as runs of places that
+    /// follow each other, in an order that does not depend on the rank.
+    fn each_run(
+        &self,
+        layout: &Layout,
+        line: usize,
+        parity: Parity,
+        mut visit: impl FnMut(usize, usize),
+    ) {
+        let lines = self.cells.iter().flat_map(|cells| {
+            let (first, end) = (cells.start as usize, cells.end as usize);
+            // Up to the end of a line at a time.
+            let begins =
+                std::iter::successors(Some(first), move |&at| Some((at / line + 1) * line));
+            let begins = begins.take_while(move |&at| at < end);
+            begins.map(move |at| (at, ((at / line + 1) * line).min(end) - at))
+        });
+        for (first, count) in lines {
+            for i in 0..Q {
+                match layout.places.of_line(parity, first / line, i) {
+                    Some(place) => visit(place + first % line, count),
+                    None => {
+                        for cell in first..first + count {
+                            visit(layout.places.of(parity, cell as u32, i), 1);
+                        }
+                    }
+                }
+            }
         }
     }
 }

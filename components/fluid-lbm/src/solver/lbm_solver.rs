@@ -11,7 +11,7 @@ use crate::lattice::error::FluidError;
 use crate::lattice::exact_sum::values;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::units::Units;
-use crate::ranks::cell_shares::{CellShares, largest_to_vanish};
+use crate::ranks::cell_shares::{CellShares, depth};
 use crate::ranks::halo::Halo;
 use crate::ranks::rank_sums::Ranks;
 use crate::solver::budget::Budget;
@@ -97,8 +97,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let radius = largest_to_vanish(scene) / parameters.cell.0;
-        let shares = shares_of(&ground, &ranks, radius)?;
+        let depth = depth(scene, &ground.voxels.obstacles, parameters.cell.0);
+        let shares = shares_of(&ground, &ranks, depth)?;
         let mut exec = Execution::new(threads, variant, ranks)?;
         let units = Units {
             cell: parameters.cell.0,
@@ -121,7 +121,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let relaxation = relaxation_of(parameters, fluid, &units, tau);
         let mut lattice = LatticeState::new(built.layout, units, relaxation, tau);
         if let Some(shares) = &shares {
-            lattice.halo = Halo::new(shares, rank, &lattice.layout, size_of::<T>());
+            let obstacles = &walls.conditions.ground().voxels.obstacles;
+            lattice.halo = Halo::new(shares, rank, (&lattice.layout, obstacles), size_of::<T>());
         }
         // Links that slip and mouths of gaps are searched anew only around cells that changed.
         if !gaps.modelled.is_empty() {
@@ -414,10 +415,10 @@ impl<T: CollisionKernel> LbmSolver<T> {
 fn shares_of(
     ground: &StaticGeometry,
     ranks: &Ranks,
-    radius: f64,
+    depth: i32,
 ) -> Result<Option<CellShares>, Vec<Problem>> {
     let Some(count) = ranks.count_of_many() else { return Ok(None) };
-    let shares = CellShares::new(&ground.grid, &ground.voxels.obstacles, (count, radius));
+    let shares = CellShares::new(&ground.grid, &ground.voxels.obstacles, (count, depth));
     let problem = |text: String| vec![Problem::of_parameter("launch", text)];
     shares.map(Some).map_err(problem)
 }

@@ -134,7 +134,9 @@ impl Pinched {
     }
 
     fn list_if_pinched<T: Real>(&mut self, lattice: &LatticeState<T>, cell: u32) {
-        if !self.is_listed(cell) && is_pinched(lattice, cell) {
+        // Whose cell it is, calms it; and from the last copies links lead to cells that are not stored.
+        let is_own = lattice.layout.is_own(cell);
+        if is_own && !self.is_listed(cell) && is_pinched(lattice, cell) {
             self.list(Cell { cell, j: [0.0; 3] });
         }
     }
@@ -211,10 +213,8 @@ impl Pinched {
                 h[i] += 3.0 * W[i] * dot(C_F64[i], change);
             }
             before.put(pinched.cell, &h);
-            if lattice.layout.is_own(pinched.cell) {
-                let got = before.content(pinched.cell).j;
-                add_vector(impulse, std::array::from_fn(|a| got[a] - now[a]));
-            }
+            let got = before.content(pinched.cell).j;
+            add_vector(impulse, std::array::from_fn(|a| got[a] - now[a]));
         }
     }
 }

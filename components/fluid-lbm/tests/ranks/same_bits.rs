@@ -4,8 +4,8 @@ use crate::common::*;
 use crate::thread_ranks::ThreadRank;
 use tremie_fluid_lbm::{Collision, LbmFluid, Precision, Refill};
 use tremie_messages::scene::{
-    Course, Face, Geometry, Motion, OpenVelocity, Outflow, Probe, ProbeShape, Profile, Reservoir,
-    Ring, Scene,
+    BodySet, Course, Face, Geometry, Motion, OpenVelocity, Outflow, Placement, Probe, ProbeShape,
+    Profile, Reservoir, Ring, Scene, Sphere,
 };
 use tremie_messages::{BodyEvent, BodyState};
 
@@ -34,6 +34,17 @@ impl Story {
 
     /// A sphere that moves evenly.
     fn with(mut self, radius: f64, position: [f64; 3], velocity: [f64; 3]) -> Self {
+        // The scene says what can be in it: ranks hold copies as deep as that takes.
+        let diameter = 2.0 * radius;
+        let sphere = Sphere { position, diameter, velocity, angular_velocity: [0.0; 3] };
+        self.scene.bodies.push(BodySet {
+            name: format!("set{}", self.bodies.len()),
+            density: 2.0,
+            material: "wall".into(),
+            motion: Motion::Free,
+            clump: None,
+            placement: Placement::Listed(vec![sphere]),
+        });
         let id = self.bodies.len() as u64;
         self.events.push(added(id, radius));
         self.bodies.push(BodyState { velocity, ..BodyState::at_rest(id, position) });
