@@ -25,11 +25,17 @@ const REPLY_LINE: u64 = 64 << 20;
 /// Longest part of a line that is no reply that goes into the message [characters].
 const GARBAGE: usize = 1000;
 
-/// Passes on replies from a component's standard output, to its end.
-pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<PeerEvent>) {
+/// Passes on replies from a component's standard output, to its end. Its launcher, if it has one, may write there too,
+/// as MPICH's does of ranks that have died.
+pub(super) fn forward_replies(
+    output: impl BufRead,
+    (index, is_launched): (usize, bool),
+    post: &SyncSender<PeerEvent>,
+) {
     for line in lines(output, REPLY_LINE) {
         let news = match serde_json::from_str(&line) {
             Ok(reply) => ComponentEvent::Reply(Box::new(reply)),
+            Err(_) if is_launched => ComponentEvent::Log(line),
             Err(_) => ComponentEvent::Garbage(line.chars().take(GARBAGE).collect()),
         };
         let _ = post.send((index, news));

@@ -80,7 +80,7 @@ impl Launcher {
             Program::BuiltIn(built) => {
                 let mut command = own_command();
                 command.arg("component").arg(built);
-                self.start_process(index, command)?
+                self.start_process((index, false), command)?
             }
             Program::File(file) if self.in_process => {
                 return Err(format!(
@@ -88,14 +88,17 @@ impl Launcher {
                     file.display()
                 ));
             }
-            Program::File(file) => self.start_process(index, launched(launch, command_of(file)))?,
+            Program::File(file) => {
+                let command = launched(launch, command_of(file));
+                self.start_process((index, !launch.is_empty()), command)?
+            }
         };
         Ok(Peer::new(name, role, to, body))
     }
 
     fn start_process(
         &self,
-        index: usize,
+        (index, is_launched): (usize, bool),
         mut command: Command,
     ) -> Result<(Sender<Request>, Body), String> {
         let shown = format!("{:?}", command.get_program());
@@ -120,7 +123,7 @@ impl Launcher {
         if let Some(output) = child.stdout.take() {
             let post = self.post.clone();
             thread(move || {
-                forward_replies(BufReader::new(output), index, &post);
+                forward_replies(BufReader::new(output), (index, is_launched), &post);
                 // Its last words say why it ended, and must come first. Another process that it
                 // started may keep the line open.
                 let _ = log_closed.recv_timeout(LAST_WORDS);
