@@ -170,6 +170,9 @@ fn disturbed(signal: &str, target: Option<usize>) -> (String, Duration) {
     assert_ne!(code, Some(0));
     until("the ranks end", || ranks_of(&out).is_empty());
     let errors = std::fs::read_to_string(out.join("log.jsonl")).unwrap_or_default();
+    let shared = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let of_mpi = shared.filter(|file| file.file_name().to_string_lossy().contains("_segment."));
+    assert_eq!(of_mpi.count(), 0, "shared memory of MPI is left");
     if target.is_some() {
         let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
         let summary: Value = serde_json::from_str(&summary).unwrap();

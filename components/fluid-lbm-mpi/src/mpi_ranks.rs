@@ -23,6 +23,9 @@ const ANSWER: c_int = 3;
 /// Longest wait for the answer of a rank that is asked whether it is there.
 const ANSWER_TIME: Duration = Duration::from_secs(1);
 
+/// Beginnings of the names of Open MPI's shared memory, in version 4 and in version 5.
+const SEGMENTS: [&str; 2] = ["/dev/shm/vader_segment.", "/dev/shm/sm_segment."];
+
 /// Bytes of a broadcast that need no second message.
 const SHORT: usize = 504;
 
@@ -77,7 +80,27 @@ impl MpiRanks {
         if let Some(common) = Rc::get_mut(&mut ranks.common) {
             common.names = names;
         }
+        ranks.take_names_off_memory();
         ranks
+    }
+
+    /// Takes the names off the shared memory of Open MPI on this host, once all ranks have opened it: so nothing of it
+    /// stays where ranks are killed. (MPICH does so itself.)
+    fn take_names_off_memory(&mut self) {
+        let own = self.common.rank as usize;
+        let others = (0..self.common.ranks as usize).filter(|&rank| rank != own);
+        let mut parcels: Vec<_> = others.map(|rank| Parcel { rank, bytes: vec![0] }).collect();
+        let sends = parcels.clone();
+        self.begin_swap(&sends, &mut parcels);
+        self.end_swap(&mut parcels);
+        // Now all have opened what they will ever open.
+        self.add_up(&mut [0]);
+        let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        let files = maps.lines().filter_map(|line| line.split_ascii_whitespace().nth(5));
+        for file in files.filter(|file| SEGMENTS.iter().any(|name| file.starts_with(name))) {
+            // Another rank may have done it.
+            let _ = std::fs::remove_file(file);
+        }
     }
 
     /// True for the rank that the run knows.

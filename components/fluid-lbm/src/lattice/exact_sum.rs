@@ -52,6 +52,16 @@ impl ExactSum {
         if self.is_strange { f64::NAN } else { self.units as f64 / SCALE }
     }
 
+    /// The multiple of the unit, and whether the sum is no number.
+    pub fn parts(&self) -> (i128, bool) {
+        (self.units, self.is_strange)
+    }
+
+    /// The sum of these parts.
+    pub fn from_parts(units: i128, is_strange: bool) -> Self {
+        Self { units, is_strange }
+    }
+
     /// Numbers that may be added up with those of other sums, each by itself.
     pub fn limbs(&self) -> [i64; LIMBS] {
         let mask = (1 << LIMB) - 1;

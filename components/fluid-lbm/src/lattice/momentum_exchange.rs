@@ -133,6 +133,9 @@ pub struct ExchangeTally {
     pub fallbacks: usize,
 }
 
+/// Bytes before the sums of a tally in bytes: place, which sums follow, which are no numbers, and the counts.
+const HEAD: usize = 20;
+
 impl ExchangeTally {
     /// Numbers that carry a tally to other parts of a lattice.
     pub const LIMBS: usize = 22 * LIMBS + 2;
@@ -186,6 +189,48 @@ impl ExchangeTally {
         own
     }
 
+    /// Appends the tally as few bytes: those of its sums alone that are not zero. Nothing of one without any.
+    pub fn put_bytes(&self, place: u32, bytes: &mut Vec<u8>) {
+        let mut own = *self;
+        let (mut filled, mut strange) = (0_u32, 0_u32);
+        let head = bytes.len();
+        bytes.extend([0; HEAD]);
+        for (k, sum) in own.sums().enumerate() {
+            let (units, is_strange) = sum.parts();
+            strange |= u32::from(is_strange) << k;
+            if units != 0 {
+                filled |= 1 << k;
+                bytes.extend(units.to_le_bytes());
+            }
+        }
+        if filled == 0 && strange == 0 && self.links == 0 {
+            return bytes.truncate(head);
+        }
+        let words = [place, filled, strange, self.links as u32, self.fallbacks as u32];
+        for (word, room) in words.iter().zip(bytes[head..].chunks_exact_mut(4)) {
+            room.copy_from_slice(&word.to_le_bytes());
+        }
+    }
+
+    /// Takes a tally off such bytes, with its place; `None` at their end.
+    pub fn take_bytes(bytes: &mut &[u8]) -> Option<(u32, Self)> {
+        let (head, rest) = bytes.split_at_checked(HEAD)?;
+        let word = |k: usize| u32::from_le_bytes(std::array::from_fn(|b| head[4 * k + b]));
+        let [place, filled, strange] = [0, 1, 2].map(word);
+        let mut own =
+            Self { links: word(3) as usize, fallbacks: word(4) as usize, ..Self::default() };
+        *bytes = rest;
+        for (k, sum) in own.sums().enumerate() {
+            let mut units = 0;
+            if filled >> k & 1 == 1 {
+                let (first, rest) = bytes.split_first_chunk()?;
+                (units, *bytes) = (i128::from_le_bytes(*first), rest);
+            }
+            *sum = ExactSum::from_parts(units, strange >> k & 1 == 1);
+        }
+        Some((place, own))
+    }
+
     /// The sums, each rounded once.
     pub fn value(&self) -> MomentumExchange {
         MomentumExchange {
@@ -212,5 +257,34 @@ impl AddAssign<&Self> for ExchangeTally {
         self.sums().zip(other.sums()).for_each(|(own, other)| *own += *other);
         self.links += links;
         self.fallbacks += fallbacks;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tallies_travel_as_few_bytes() {
+        let mut some = ExchangeTally::default();
+        some.add(&MomentumExchange {
+            force: [0.5, -1e-9, 0.0],
+            mass: 3.25,
+            links: 7,
+            ..MomentumExchange::default()
+        });
+        let mut lost = some;
+        lost.torque[1].add(f64::NAN);
+        let mut bytes = Vec::new();
+        for (place, tally) in [(4, &some), (6, &ExchangeTally::default()), (9, &lost)] {
+            tally.put_bytes(place, &mut bytes);
+        }
+        assert_eq!(bytes.len(), 2 * (HEAD + 3 * 16));
+        let mut rest = &bytes[..];
+        let (place, first) = ExchangeTally::take_bytes(&mut rest).unwrap();
+        assert_eq!((place, first.value()), (4, some.value()));
+        let (place, second) = ExchangeTally::take_bytes(&mut rest).unwrap();
+        assert!(place == 9 && second.value().torque[1].is_nan() && second.links == 7);
+        assert!(ExchangeTally::take_bytes(&mut rest).is_none());
     }
 }

@@ -68,6 +68,24 @@ impl Ranks {
         }
     }
 
+    /// The same for many of which most ranks have nothing, as those of bodies.
+    pub fn join_few(&mut self, tallies: &mut [ExchangeTally]) {
+        let Some(way) = self.way() else { return };
+        let mut bytes = Vec::new();
+        for (place, tally) in (0..).zip(&*tallies) {
+            tally.put_bytes(place, &mut bytes);
+        }
+        let mut all = way.gather(&bytes).concat();
+        way.broadcast(&mut all);
+        tallies.fill(ExchangeTally::default());
+        let mut rest = &all[..];
+        while let Some((place, tally)) = ExchangeTally::take_bytes(&mut rest) {
+            if let Some(own) = tallies.get_mut(place as usize) {
+                *own += &tally;
+            }
+        }
+    }
+
     /// Makes whole numbers of this rank the sums of all.
     pub fn count(&mut self, numbers: &mut [i64]) {
         if let Some(way) = open(&mut self.way) {

@@ -118,11 +118,13 @@ impl MovingBodies {
             return;
         }
         let mut tallies: Vec<_> = self.list.living.iter().map(of_items).collect();
-        ranks.join_tallies(&mut tallies);
+        ranks.join_few(&mut tallies);
         let wholes = self.of_bodies.iter_mut().zip(tallies);
         wholes.for_each(|(whole, tally)| *whole = tally.value());
-        let living = self.list.living.iter_mut();
-        ranks.add_up(living.flat_map(|body| &mut body.account.changed));
+        if self.keeps_mass {
+            let living = self.list.living.iter_mut();
+            ranks.add_up(living.flat_map(|body| &mut body.account.changed));
+        }
     }
 
     /// Memory that bodies and links take [bytes].
