@@ -134,8 +134,14 @@ impl Beginning {
         Err(self.unfit_text(&format!("found the {key} of another run, expected this one's")))
     }
 
+    /// An error and what caused it: a full disk is named last.
     fn unfit(&self, error: &dyn Error) -> StateError {
-        self.unfit_text(&error.to_string())
+        let (mut words, mut cause) = (error.to_string(), error.source());
+        while let Some(error) = cause {
+            words = format!("{words}: {error}");
+            cause = error.source();
+        }
+        self.unfit_text(&words)
     }
 
     fn unfit_text(&self, why: &str) -> StateError {
