@@ -5,11 +5,8 @@ use serde::{Deserialize, Serialize};
 /// A call. What it is made with and is long stands behind it, as it lies in memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Call {
-    /// Makes the share, of the setup behind it as JSON, on so many threads.
-    Create {
-        /// Threads of each rank.
-        threads: u32,
-    },
+    /// Makes the share, of the setup and the deadline behind it as JSON.
+    Create,
     /// The events behind it.
     Events,
     /// The start exchange with the bodies behind it.
@@ -59,7 +56,7 @@ mod tests {
     #[test]
     fn calls_arrive_as_they_were_made() {
         let calls = [
-            Call::Create { threads: 3 },
+            Call::Create,
             Call::Advance { substeps: 12 },
             Call::Slice("velocity".into(), 77),
             Call::Quit,

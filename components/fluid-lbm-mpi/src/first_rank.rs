@@ -93,12 +93,12 @@ impl Fluid for MpiFluid {
         let (mut of_lattice, deadline) = split(setup)?;
         ranks.set_deadline(deadline);
         // The ranks of a host share the threads that the component has there.
-        let threads = (of_lattice.hello.threads / ranks.on_this_host() as u32).max(1);
-        of_lattice.hello.threads = threads;
+        let threads = of_lattice.hello.threads / ranks.on_this_host() as u32;
+        of_lattice.hello.threads = threads.max(1);
         let wrong = |error: serde_json::Error| vec![Problem::new("", error.to_string())];
         let all = (&of_lattice.hello, of_lattice.assigned()?, deadline.as_secs_f64());
         let text = serde_json::to_vec(&all).map_err(wrong)?;
-        ranks.clone().broadcast(&mut Call::Create { threads }.with(&text));
+        ranks.clone().broadcast(&mut Call::Create.with(&text));
         let share = LbmComponent::along(&of_lattice, Some(Box::new(ranks.clone())))?;
         Ok(Self { share, ranks: RefCell::new(ranks) })
     }

@@ -23,7 +23,7 @@ pub fn serve(mut ranks: MpiRanks) -> ExitCode {
         };
         match (call, &mut share) {
             (Call::Quit, _) => return ExitCode::SUCCESS,
-            (Call::Create { .. }, _) => match create(behind, &ranks) {
+            (Call::Create, _) => match create(behind, &ranks) {
                 Ok(created) => share = Some(created),
                 // Rank 0 has the same problems, and tells them.
                 Err(_) => share = None,
@@ -80,6 +80,6 @@ fn make(call: &Call, behind: &[u8], share: &mut LbmComponent) -> Result<(), Solv
             }
             Ok(())
         }
-        Call::Create { .. } | Call::Quit => Ok(()),
+        Call::Create | Call::Quit => Ok(()),
     }
 }

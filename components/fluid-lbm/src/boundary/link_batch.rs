@@ -213,8 +213,6 @@ impl Batch {
         if is_soft {
             self.feel(links);
         }
-        let is_own = |slots: &&PopulationAddresses| after.layout.is_own(slots.cell);
-        self.exchange.links += known.slots.iter().filter(is_own).count();
     }
 
     /// Fills the lanes beyond the last link with links as it that weigh nothing.
@@ -310,6 +308,7 @@ impl Batch {
             let g = after.field.get(own);
             let push = s.push[l] * (1.0 + after.drho.get(slots.cell as usize));
             let is_own = after.layout.is_own(slots.cell);
+            self.exchange.links += usize::from(is_own);
             let f = if other == NOWHERE {
                 self.exchange.fallbacks += usize::from(is_own);
                 g - push

@@ -91,9 +91,7 @@ impl LbmComponent {
             reservoirs: Vec::new(),
         })
     }
-}
 
-impl LbmComponent {
     /// What so many ranks have each of the lattice: sentences for the user.
     ///
     /// # Errors
@@ -120,7 +118,7 @@ impl ObservedCells for CountedCells<'_> {
     }
 
     fn node(&self, cell: [usize; 3]) -> frame::SliceNode {
-        if self.0.counts(cell) {
+        if self.0.is_whole() || self.0.counts(cell) {
             return ObservedCells::node(self.0, cell);
         }
         // What nobody counts is solid.
@@ -130,8 +128,10 @@ impl ObservedCells for CountedCells<'_> {
 
 /// Puts the nodes that this rank tells together with those of all ranks, on rank 0.
 fn join_nodes(fluid: &LbmFluid, nodes: &mut [frame::SliceNode]) {
-    let share = !fluid.is_whole();
-    let own = (0_u64..).zip(&*nodes).filter(|_| share).filter(|(_, node)| node.level != ELSEWHERE);
+    if fluid.is_whole() {
+        return;
+    }
+    let own = (0_u64..).zip(&*nodes).filter(|(_, node)| node.level != ELSEWHERE);
     let bytes: Vec<u8> =
         own.flat_map(|(number, node)| [bytes_of(&[number]), bytes_of(&[*node])].concat()).collect();
     for node in nodes.iter_mut().filter(|node| node.level == ELSEWHERE) {

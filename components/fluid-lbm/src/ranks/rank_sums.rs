@@ -39,8 +39,7 @@ impl Ranks {
 
     /// The way to the others.
     pub fn way(&mut self) -> Option<&mut dyn Communicator> {
-        let way = self.way.as_mut()?.get_mut().unwrap_or_else(PoisonError::into_inner);
-        Some(&mut **way)
+        open(&mut self.way).map(|way| &mut **way as &mut dyn Communicator)
     }
 
     /// Makes sums of this rank those of all.

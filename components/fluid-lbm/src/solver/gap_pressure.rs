@@ -213,8 +213,8 @@ impl GapModel {
         self.find_densities(bodies, exec);
         self.tell_facets(bodies, links);
         self.pressed.fill(MomentumExchange::default());
-        for (body, (own, drho)) in bodies.living.iter_mut().zip(all_of(&self.of_bodies, &self.drho))
-        {
+        let found = self.of_bodies.iter().zip(&self.drho);
+        for (body, (own, drho)) in bodies.living.iter_mut().zip(found) {
             let mut load = [[0.0; 3]; 2];
             for (gap, &drho) in own.gaps.iter().zip(drho) {
                 let part = gap.load(drho);
@@ -236,14 +236,6 @@ impl GapModel {
             body.pressed = load;
         }
     }
-}
-
-/// The gaps of each body with their densities.
-fn all_of<'g>(
-    gaps: &'g [BodyGaps],
-    drho: &'g [Vec<f64>],
-) -> impl Iterator<Item = (&'g BodyGaps, &'g Vec<f64>)> {
-    gaps.iter().zip(drho)
 }
 
 /// Makes the gaps that this rank found those of all ranks.
