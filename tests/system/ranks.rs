@@ -121,6 +121,62 @@ fn ranks_have_the_bits_of_one_process() {
     }
 }
 
+/// Words of the launcher of so many ranks, for `--set`.
+fn launched(ranks: usize) -> String {
+    let launcher = std::env::var("TREMIE_MPIEXEC").unwrap_or_else(|_| "mpiexec".into());
+    format!("settings.fluid-lbm-mpi.launch=[\"{launcher}\", \"-n\", \"{ranks}\"]")
+}
+
+/// A run on four ranks that a fault breaks off goes on from its checkpoint on four, two and three, and ends with the
+/// bits of one process that was never disturbed.
+#[test]
+#[ignore = "it needs MPI"]
+fn ranks_go_on_from_a_checkpoint_of_another_number() {
+    allow_ranks();
+    let every = "run.checkpoints={ windows = 150, keep = 99 }";
+    let alone = run_text(STREAM, &[]).succeeded();
+    for ranks in [4, 2, 3] {
+        let options = ["--set", every, "--inject", "grains:kill@400"];
+        let broken = run_text(&on_ranks(STREAM, 4, "60 s"), &options);
+        assert_eq!(broken.code(), Some(1), "{}", broken.errors());
+        let folder = broken.out.join("checkpoints/window-000000000300");
+        let parts = std::fs::read_dir(&folder).unwrap().flatten();
+        let parts = parts.filter(|file| file.file_name().to_string_lossy().starts_with("fluid."));
+        assert_eq!(parts.count(), 4, "a file of each rank");
+        let mut resume = tremie();
+        resume.arg("resume").arg(&broken.out).args(["--quiet", "--set", &launched(ranks)]);
+        let resumed = resume.output().unwrap();
+        let errors = String::from_utf8_lossy(&resumed.stderr).into_owned();
+        assert!(resumed.status.success(), "{ranks} ranks: {errors}");
+        assert_same(&alone, &broken, &format!("kept by 4 ranks, put back by {ranks}"));
+        broken.left_nothing(&format!("resumed by {ranks} ranks"));
+    }
+}
+
+/// A part that is lost or damaged is named, and no rank waits for ever.
+#[test]
+#[ignore = "it needs MPI"]
+fn a_lost_part_of_a_checkpoint_is_named() {
+    allow_ranks();
+    let options = ["--set", "run.checkpoints={ windows = 100 }", "--inject", "grains:kill@150"];
+    let broken = run_text(&on_ranks(STREAM, 3, "60 s"), &options);
+    let part = broken.out.join("checkpoints/window-000000000100/fluid.part-2.npz");
+    let resume = || {
+        let resume = tremie().arg("resume").arg(&broken.out).arg("--quiet").output().unwrap();
+        assert!(!resume.status.success());
+        String::from_utf8_lossy(&resume.stderr).into_owned()
+    };
+    let whole = std::fs::read(&part).unwrap();
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    std::fs::write(&part, damaged).unwrap();
+    let said = resume();
+    assert!(said.contains("rank ") && said.contains("checksum"), "{said}");
+    std::fs::remove_file(&part).unwrap();
+    let said = resume();
+    assert!(said.contains("expected"), "{said}");
+}
+
 /// Process ids of the ranks of a run, and where its outputs are.
 fn ranks_of(out: &Path) -> Vec<u32> {
     let name = std::fs::read_dir("/proc").unwrap().flatten();

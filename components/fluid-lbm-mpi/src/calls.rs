@@ -28,6 +28,10 @@ pub enum Call {
     Slice(String, u64),
     /// The volume whose grid stands behind it as JSON, of so many nodes.
     Volume(u64),
+    /// Keeps a part of the state, beside the file whose place stands behind it as JSON.
+    Keep,
+    /// Puts the state back from there.
+    PutBack,
     /// The end.
     Quit,
 }

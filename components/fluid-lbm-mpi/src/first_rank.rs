@@ -11,6 +11,7 @@ use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::units::Time;
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, PortState, Problem, bytes_of};
+use tremie_sdk::state::{StateError, StateExchange, StatePart};
 use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
 
 /// Key of the ranks' deadline among the settings.
@@ -37,6 +38,11 @@ pub fn main(ranks: MpiRanks) -> ExitCode {
     let mut ranks = ranks;
     ranks.broadcast(&mut Call::Quit.with(&[]));
     code
+}
+
+/// The part of the state that a rank has.
+pub fn part_of(ranks: &MpiRanks) -> StatePart {
+    StatePart { number: ranks.rank() as u32, of: ranks.ranks() as u32 }
 }
 
 fn ranks() -> Result<MpiRanks, Vec<Problem>> {
@@ -84,8 +90,7 @@ impl Fluid for MpiFluid {
         let shares = LbmComponent::shares(&of_lattice, ranks.ranks())?;
         let mut notes = description.notes.clone();
         notes.extend(shares);
-        // States of shares cannot be kept yet.
-        Ok(Description { notes, state: None, ..description })
+        Ok(Description { notes, ..description })
     }
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
@@ -126,6 +131,21 @@ impl Fluid for MpiFluid {
     fn ports(&mut self, ports: &mut [PortState]) -> Result<(), SolverError> {
         self.call(&Call::Ports(ports.len() as u64), &[]);
         self.share.ports(ports)
+    }
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let Some(place) = state.place() else {
+            return state.unfit("the state of several ranks is kept in files only");
+        };
+        let text =
+            serde_json::to_vec(&place).map_err(|error| StateError::Unfit(error.to_string()))?;
+        if state.restores() {
+            self.call(&Call::PutBack, &text);
+        } else {
+            self.call(&Call::Keep, &text);
+            state.keep_part(part_of(&self.ranks.borrow()));
+        }
+        self.share.exchange_state(state)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {

@@ -1,18 +1,23 @@
 //! The other ranks: they make the calls that rank 0 makes.
 
 use crate::calls::Call;
+use crate::first_rank::part_of;
 use crate::mpi_ranks::MpiRanks;
+use std::path::Path;
 use std::process::ExitCode;
+use std::thread::JoinHandle;
 use std::time::Duration;
 use tremie_fluid_lbm::component::LbmComponent;
 use tremie_sdk::messages::frame::SliceNode;
 use tremie_sdk::messages::start::{Assignment, Hello, VolumeGrid};
 use tremie_sdk::messages::{Load, PortState, Problem, values_of};
+use tremie_sdk::state::{SavedState, StateArchive, StateError, StatePart, StatePlace};
 use tremie_sdk::{Fluid, Setup, SolverError, log_line};
 
 /// Makes calls until rank 0 quits.
 pub fn serve(mut ranks: MpiRanks) -> ExitCode {
     let mut share = None;
+    let mut writer = PartWriter::default();
     loop {
         let bytes = ranks.wait_for_call();
         let Some((call, behind)) = Call::read(&bytes) else {
@@ -28,6 +33,13 @@ pub fn serve(mut ranks: MpiRanks) -> ExitCode {
                 // Rank 0 has the same problems, and tells them.
                 Err(_) => share = None,
             },
+            (Call::Keep, Some(share)) => {
+                // An error is rank 0's as well, who tells it.
+                let _ = writer.keep(behind, part_of(&ranks), share);
+            }
+            (Call::PutBack, Some(share)) => {
+                let _ = put_back(behind, share);
+            }
             // A share that failed has failed on rank 0 as well, which says why and ends.
             (call, Some(share)) => drop(make(&call, behind, share)),
             (_, None) => {}
@@ -80,6 +92,78 @@ fn make(call: &Call, behind: &[u8], share: &mut LbmComponent) -> Result<(), Solv
             }
             Ok(())
         }
-        Call::Create | Call::Quit => Ok(()),
+        Call::Create | Call::Keep | Call::PutBack | Call::Quit => Ok(()),
+    }
+}
+
+/// Writes the parts of states that this rank has, while it computes.
+#[derive(Default)]
+struct PartWriter {
+    thread: Option<JoinHandle<()>>,
+}
+
+impl PartWriter {
+    /// Copies a share's part of the state, and begins to write it.
+    fn keep(
+        &mut self,
+        place: &[u8],
+        part: StatePart,
+        share: &mut LbmComponent,
+    ) -> Result<(), StateError> {
+        self.wait();
+        let place = match place_of(place) {
+            Ok(place) => place,
+            Err(error) => return share.fail_exchange(error),
+        };
+        let state = SavedState::told(|state| {
+            state.keep_part(part);
+            state.within(&place.within, |state| share.exchange_state(state))
+        })?;
+        let write = move || {
+            if let Err(error) = state.write_part(&place) {
+                log_line(format_args!("rank {}: {error}", part.number));
+            }
+        };
+        self.thread = Some(std::thread::spawn(write));
+        Ok(())
+    }
+
+    /// Waits until the disk has the last part.
+    fn wait(&mut self) {
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+impl Drop for PartWriter {
+    fn drop(&mut self) {
+        self.wait();
+    }
+}
+
+/// Puts back what a share has of a state.
+fn put_back(place: &[u8], share: &mut LbmComponent) -> Result<(), StateError> {
+    let opened = place_of(place).and_then(|place| Ok((StateArchive::open(&place.path)?, place)));
+    let (mut archive, place) = match opened {
+        Ok(opened) => opened,
+        Err(error) => return share.fail_exchange(error),
+    };
+    archive.put_back(&place.header.program, place.header.version, |state| {
+        state.within(&place.within, |state| share.exchange_state(state))?;
+        // What is rank 0's alone.
+        state.leave_rest();
+        Ok(())
+    })
+}
+
+/// The place of a state that rank 0 tells, if this rank sees its folder.
+fn place_of(text: &[u8]) -> Result<StatePlace, StateError> {
+    let place: StatePlace =
+        serde_json::from_slice(text).map_err(|error| StateError::Unfit(error.to_string()))?;
+    match place.path.parent().is_some_and(Path::is_dir) {
+        true => Ok(place),
+        false => Err(StateError::Unfit(format!(
+            "{} is not seen from its host: ranks need a file system that they share",
+            place.path.display()
+        ))),
     }
 }

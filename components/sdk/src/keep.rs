@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::Instant;
 use tremie_messages::start::{Description, Hello, Reply, Resume, checkpoint};
-use tremie_state::{SavedState, StateArchive, StateError, StateExchange, StateHeader};
+use tremie_state::{SavedState, StateArchive, StateError, StateExchange, StateHeader, StatePlace};
 
 /// Keeps the states of one component.
 pub struct StateKeeper {
@@ -51,17 +51,19 @@ impl StateKeeper {
         // The last one is written long since: the orchestrator asks for one at a time.
         self.wait();
         let begin = Instant::now();
-        let state = match SavedState::told(tell) {
+        let folder = checkpoint::unfinished(&self.output, window);
+        let place = StatePlace {
+            path: checkpoint::state_file(&folder, &self.component),
+            header: StateHeader::whole(&self.component, &self.program, version, window),
+            within: String::new(),
+        };
+        let state = match SavedState::told_for(Some(&place), tell) {
             Ok(state) => state,
             Err(error) => return tell_kept(&replier, window, Err(error)),
         };
         let copied = begin.elapsed().as_nanos() as u64;
-        let (component, program) = (self.component.clone(), self.program.clone());
-        let header = StateHeader { component, program, version, window };
-        let folder = checkpoint::unfinished(&self.output, window);
-        let path = checkpoint::state_file(&folder, &self.component);
         let write = move || {
-            let written = state.write(&path, &header);
+            let written = state.write(&place.path, &place.header);
             tell_kept(&replier, window, written.map(|bytes| (bytes, copied)));
         };
         self.writer = Some(std::thread::spawn(write));

@@ -3,6 +3,7 @@
 use crate::error::StateError;
 use crate::exchange::{EntryReader, EntrySource, KeepsState, StateExchange, damaged};
 use crate::numpy;
+use crate::parts::{PARTS_STAND_STILL, StatePart, StatePlace, await_parts, part_file};
 use crate::saved::{Content, SavedEntry, SavedState};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -22,6 +23,17 @@ pub struct StateHeader {
     pub version: u32,
     /// Window at whose end the state was kept.
     pub window: u64,
+    /// Which part of the state the file holds.
+    #[serde(default)]
+    pub part: StatePart,
+}
+
+impl StateHeader {
+    /// Of a state in one file.
+    pub fn whole(component: &str, program: &str, version: u32, window: u64) -> Self {
+        let (component, program) = (component.to_string(), program.to_string());
+        Self { component, program, version, window, part: StatePart::default() }
+    }
 }
 
 /// Name of the entry of the header.
@@ -30,13 +42,37 @@ const ARRAY: &str = ".npy";
 const VALUE: &str = ".postcard";
 
 impl SavedState {
-    /// Writes the state into a new file, and waits until the disk has it. Returns the length of the
-    /// file [bytes].
+    /// Writes the state into a new file, and waits until the disk has it. Of a state in parts this is the first, and
+    /// the wait is also for the others. Returns the length of the file, or of all [bytes].
     ///
     /// # Errors
-    /// If the file is there already, or the disk refuses; then no file is left.
+    /// If the file is there already, or the disk refuses; then no file is left. Other parts that do not come.
     pub fn write(&self, path: &Path, header: &StateHeader) -> Result<u64, StateError> {
+        let bytes = self.write_file(path, header)?;
+        Ok(bytes + await_parts(path, self.part.of, PARTS_STAND_STILL)?)
+    }
+
+    /// Writes the part of a state that this process has, beside the first one, and waits until the disk has it.
+    ///
+    /// # Errors
+    /// If the disk refuses. Whoever waits for the part finds the error in a file of its own.
+    pub fn write_part(&self, place: &StatePlace) -> Result<(), StateError> {
+        let path = part_file(&place.path, self.part.number);
+        let unfinished = path.with_extension("unfinished");
+        let failed = |error| StateError::Io { path: path.clone(), error };
+        let written = self
+            .write_file(&unfinished, &place.header)
+            .and_then(|_| std::fs::rename(&unfinished, &path).map_err(failed));
+        if let Err(error) = &written {
+            // Where this fails, too, the wait for the part ends by its deadline.
+            let _ = std::fs::write(path.with_extension("failed"), error.to_string());
+        }
+        written
+    }
+
+    fn write_file(&self, path: &Path, header: &StateHeader) -> Result<u64, StateError> {
         let failed = |error| StateError::Io { path: path.to_path_buf(), error };
+        let header = &StateHeader { part: self.part, ..header.clone() };
         let file = File::create_new(path).map_err(failed)?;
         let written = self.fill(file, header);
         if written.is_err() {
@@ -51,7 +87,9 @@ impl SavedState {
         let about = serde_json::to_vec_pretty(header)?;
         archive.start_file(ABOUT, numpy::stored(about.len()))?;
         archive.write_all(&about)?;
-        for SavedEntry { name, content, bytes } in &self.entries {
+        // What all parts have alike, the first keeps.
+        let is_kept = |entry: &&SavedEntry| self.part.number == 0 || entry.is_shared;
+        for SavedEntry { name, content, bytes, .. } in self.entries.iter().filter(is_kept) {
             match content {
                 Content::Array { number, shape } => {
                     let header = numpy::header(number, shape);
@@ -79,6 +117,8 @@ pub struct StateArchive {
     path: PathBuf,
     archive: ZipArchive<BufReader<File>>,
     header: StateHeader,
+    /// The other parts, once they were opened.
+    parts: Vec<Option<ZipArchive<BufReader<File>>>>,
 }
 
 impl StateArchive {
@@ -87,13 +127,30 @@ impl StateArchive {
     /// # Errors
     /// If there is none, or it is no state.
     pub fn open(path: &Path) -> Result<Self, StateError> {
-        let failed = |error| StateError::Io { path: path.to_path_buf(), error };
-        let mut file = File::open(path).map_err(failed)?;
-        check_directory(&mut file).map_err(failed)?;
-        let mut archive = ZipArchive::new(BufReader::with_capacity(PIECE, file))
-            .map_err(|error| failed(error.into()))?;
-        let header = read_header(&mut archive)?;
-        Ok(Self { path: path.to_path_buf(), archive, header })
+        let (archive, header) = open_file(path)?;
+        let StatePart { number, of } = header.part;
+        if number != 0 || of == 0 || of > MOST_PARTS {
+            return Err(damaged(ABOUT, format!("it is part {number} of {of}, not the first")));
+        }
+        let parts = (1..of).map(|_| None).collect();
+        Ok(Self { path: path.to_path_buf(), archive, header, parts })
+    }
+
+    /// A part of the state, the first included.
+    fn part(&mut self, number: usize) -> Result<&mut ZipArchive<BufReader<File>>, StateError> {
+        let Some(place) = number.checked_sub(1) else { return Ok(&mut self.archive) };
+        let path = part_file(&self.path, number as u32);
+        if self.parts[place].is_none() {
+            let (archive, header) = open_file(&path)?;
+            let StatePart { of, .. } = self.header.part;
+            let part = StatePart { number: number as u32, of };
+            if header != (StateHeader { part, ..self.header.clone() }) {
+                let why = "it is no part of the state beside it";
+                return Err(damaged(&path.display().to_string(), why));
+            }
+            self.parts[place] = Some(archive);
+        }
+        self.parts[place].as_mut().ok_or_else(|| damaged(ABOUT, "a part is missing"))
     }
 
     /// Whose state it is.
@@ -129,10 +186,26 @@ impl StateArchive {
             let (found, expected) = (say(found, *kept), say(program, version));
             return Err(StateError::Foreign { found, expected });
         }
-        let mut exchange = StateExchange::restoring(self);
+        let (path, header, within) = (self.path.clone(), self.header.clone(), String::new());
+        let place = StatePlace { path, header, within };
+        let mut exchange = StateExchange::restoring(self, Some(&place));
         tell(&mut exchange)?;
         exchange.end()
     }
+}
+
+/// Most parts of a state that are believed.
+const MOST_PARTS: u32 = 1 << 16;
+
+/// Opens one file.
+fn open_file(path: &Path) -> Result<(ZipArchive<BufReader<File>>, StateHeader), StateError> {
+    let failed = |error| StateError::Io { path: path.to_path_buf(), error };
+    let mut file = File::open(path).map_err(failed)?;
+    check_directory(&mut file).map_err(failed)?;
+    let mut archive = ZipArchive::new(BufReader::with_capacity(PIECE, file))
+        .map_err(|error| failed(error.into()))?;
+    let header = read_header(&mut archive)?;
+    Ok((archive, header))
 }
 
 /// Checks the number of entries that the end of an archive of more than 4 GB says: the library takes
@@ -175,13 +248,19 @@ fn read_header(archive: &mut ZipArchive<impl Read + Seek>) -> Result<StateHeader
 const MOST_ABOUT: u64 = 1 << 16;
 
 impl EntrySource for StateArchive {
-    fn open(&mut self, name: &str) -> Result<Option<EntryReader<'_>>, StateError> {
-        let room = std::fs::metadata(&self.path).map_or(0, |file| file.len());
+    fn parts(&self) -> usize {
+        1 + self.parts.len()
+    }
+
+    fn open(&mut self, name: &str, part: usize) -> Result<Option<EntryReader<'_>>, StateError> {
+        let path = if part == 0 { self.path.clone() } else { part_file(&self.path, part as u32) };
+        let room = std::fs::metadata(path).map_or(0, |file| file.len());
+        let archive = self.part(part)?;
         let array = format!("{name}{ARRAY}");
-        let is_array = self.archive.index_for_name(&array).is_some();
+        let is_array = archive.index_for_name(&array).is_some();
         let file = if is_array { array } else { format!("{name}{VALUE}") };
-        let Some(index) = self.archive.index_for_name(&file) else { return Ok(None) };
-        let mut entry = self.archive.by_index(index).map_err(|error| damaged(name, error))?;
+        let Some(index) = archive.index_for_name(&file) else { return Ok(None) };
+        let mut entry = archive.by_index(index).map_err(|error| damaged(name, error))?;
         // What an entry says of its length may be wrong; memory is taken for it.
         if entry.compression() != CompressionMethod::Stored || entry.size() > room {
             return Err(damaged(name, "it is longer than the file"));

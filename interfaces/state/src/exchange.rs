@@ -2,11 +2,16 @@
 
 use crate::error::StateError;
 use crate::number::{StateNumber, describe, shape_of};
-use crate::saved::{Content, SavedEntry};
+use crate::parts::{SharedRows, StatePart, StatePlace};
+use crate::saved::{Content, SavedEntry, room_for};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
-use std::io::Read;
+use std::io::{self, Read};
+use std::ops::Range;
+
+/// Rows of an array in parts that are copied at a time.
+const ROWS_AT_ONCE: usize = 4096;
 
 /// A component, or a part of one, whose state can be kept and put back.
 pub trait KeepsState {
@@ -28,6 +33,9 @@ pub struct StateExchange<'a> {
     names: BTreeSet<String>,
     /// What stands before the names that follow, with its full stop.
     within: String,
+    /// The file, where there is one.
+    place: Option<&'a StatePlace>,
+    part: StatePart,
 }
 
 enum Way<'a> {
@@ -37,8 +45,13 @@ enum Way<'a> {
 
 /// Where kept entries come from.
 pub(crate) trait EntrySource {
-    /// The entry of that name.
-    fn open(&mut self, name: &str) -> Result<Option<EntryReader<'_>>, StateError>;
+    /// Number of parts.
+    fn parts(&self) -> usize {
+        1
+    }
+
+    /// The entry of that name in a part.
+    fn open(&mut self, name: &str, part: usize) -> Result<Option<EntryReader<'_>>, StateError>;
 
     /// Names of all entries.
     fn names(&self) -> Vec<String>;
@@ -53,17 +66,41 @@ pub(crate) struct EntryReader<'a> {
 }
 
 impl<'a> StateExchange<'a> {
-    pub(crate) fn saving(entries: &'a mut Vec<SavedEntry>) -> Self {
-        Self { way: Way::Save(entries), names: BTreeSet::new(), within: String::new() }
+    pub(crate) fn saving(entries: &'a mut Vec<SavedEntry>, place: Option<&'a StatePlace>) -> Self {
+        Self::along(Way::Save(entries), place)
     }
 
-    pub(crate) fn restoring(source: &'a mut dyn EntrySource) -> Self {
-        Self { way: Way::Restore(source), names: BTreeSet::new(), within: String::new() }
+    pub(crate) fn restoring(
+        source: &'a mut dyn EntrySource,
+        place: Option<&'a StatePlace>,
+    ) -> Self {
+        Self::along(Way::Restore(source), place)
+    }
+
+    fn along(way: Way<'a>, place: Option<&'a StatePlace>) -> Self {
+        let (names, within, part) = Default::default();
+        Self { way, names, within, place, part }
     }
 
     /// True if a state is put back.
     pub fn restores(&self) -> bool {
         matches!(self.way, Way::Restore(_))
+    }
+
+    /// The file that the state goes to or comes from, if there is one, with what stands before the names here: for
+    /// a component of several processes, each of which keeps its part in a file beside this one.
+    pub fn place(&self) -> Option<StatePlace> {
+        let within = self.within.trim_end_matches('.').to_string();
+        self.place.map(|place| StatePlace { within, ..place.clone() })
+    }
+
+    /// Says that what is kept is a part of the component's state. Whoever keeps the first waits for the others.
+    pub fn keep_part(&mut self, part: StatePart) {
+        self.part = part;
+    }
+
+    pub(crate) fn part(&self) -> StatePart {
+        self.part
     }
 
     /// Puts a name before the names that `tell` gives.
@@ -77,7 +114,9 @@ impl<'a> StateExchange<'a> {
     ) -> Result<(), StateError> {
         let before = self.within.len();
         self.within.push_str(name);
-        self.within.push('.');
+        if !name.is_empty() {
+            self.within.push('.');
+        }
         let told = tell(self);
         self.within.truncate(before);
         told
@@ -126,7 +165,7 @@ impl<'a> StateExchange<'a> {
                 Ok(())
             }
             Way::Restore(source) => {
-                let mut entry = find(*source, &name)?;
+                let mut entry = find(*source, &name, 0)?;
                 let rows = rows::<T>(&name, &entry)?;
                 if !fit(values, rows) {
                     return Err(other_shape::<T>(name, &entry.content, values.as_mut().len()));
@@ -134,6 +173,87 @@ impl<'a> StateExchange<'a> {
                 fill(&name, &mut entry, bytemuck::cast_slice_mut(values.as_mut()))
             }
         }
+    }
+
+    /// An array of which this process has some rows, and the other parts of the state have the rest. `visit` gets
+    /// some rows that follow each other, with the number of the first in the whole array: it fills them when they are
+    /// kept, and takes them when they are put back.
+    ///
+    /// # Errors
+    /// A state with another number of rows, or a damaged one.
+    pub fn shared_array<T: StateNumber>(
+        &mut self,
+        name: &str,
+        rows: &SharedRows,
+        mut visit: impl FnMut(usize, &mut [T]),
+    ) -> Result<(), StateError> {
+        let name = self.name(name)?;
+        let mut some = vec![T::zeroed(); ROWS_AT_ONCE];
+        match &mut self.way {
+            Way::Save(entries) => {
+                let shape = shape_of::<T>(rows.own.len());
+                let content = Content::Array { number: T::NAME.into(), shape };
+                let mut bytes = room_for(&name, rows.own.len() * size_of::<T>())?;
+                for first in rows.own.clone().step_by(ROWS_AT_ONCE) {
+                    let some = &mut some[..ROWS_AT_ONCE.min(rows.own.end - first)];
+                    visit(first, some);
+                    bytes.extend_from_slice(bytemuck::cast_slice(some));
+                }
+                entries.push(SavedEntry { name, content, bytes, is_shared: true });
+                Ok(())
+            }
+            Way::Restore(source) => {
+                let mut before = 0;
+                for part in 0..source.parts() {
+                    let mut entry = find(*source, &name, part)?;
+                    let span = before..before + self::rows::<T>(&name, &entry)?;
+                    before = span.end;
+                    // A part of which nothing is wanted is not read.
+                    let mut wanted = rows.held_in(&span).peekable();
+                    if wanted.peek().is_none() {
+                        continue;
+                    }
+                    let mut reader = RowReader { name: &name, entry: &mut entry, at: span.start };
+                    for wanted in wanted {
+                        reader.visit(wanted, &mut some, &mut visit)?;
+                    }
+                    reader.skip::<T>(span.end)?;
+                    end_of(&name, &mut entry)?;
+                }
+                let found = Content::Array { number: T::NAME.into(), shape: shape_of::<T>(before) };
+                match before == rows.all {
+                    true => Ok(()),
+                    false => Err(other_shape::<T>(name, &found, rows.all)),
+                }
+            }
+        }
+    }
+
+    /// A list of which this process has some, and the other parts of the state have the rest; put back are all.
+    ///
+    /// # Errors
+    /// A damaged state.
+    pub fn shared_list<T: StateNumber>(
+        &mut self,
+        name: &str,
+        values: &mut Vec<T>,
+    ) -> Result<(), StateError> {
+        let name = self.name(name)?;
+        match &mut self.way {
+            Way::Save(entries) => {
+                entries.push(SavedEntry { is_shared: true, ..SavedEntry::array(name, values)? });
+            }
+            Way::Restore(source) => {
+                values.clear();
+                for part in 0..source.parts() {
+                    let mut entry = find(*source, &name, part)?;
+                    let before = values.len();
+                    values.resize(before + rows::<T>(&name, &entry)?, T::zeroed());
+                    fill(&name, &mut entry, bytemuck::cast_slice_mut(&mut values[before..]))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// A number, or a row of numbers, of each record, as an array.
@@ -170,11 +290,11 @@ impl<'a> StateExchange<'a> {
                 let bytes = postcard::to_allocvec(value).map_err(|error| {
                     StateError::Unfit(format!("`{name}` cannot be kept: {error}"))
                 })?;
-                entries.push(SavedEntry { name, content: Content::Value, bytes });
+                entries.push(SavedEntry { name, content: Content::Value, bytes, is_shared: false });
                 Ok(())
             }
             Way::Restore(source) => {
-                let mut entry = find(*source, &name)?;
+                let mut entry = find(*source, &name, 0)?;
                 if entry.content != Content::Value {
                     return Err(damaged(&name, "it is an array"));
                 }
@@ -222,8 +342,52 @@ impl<'a> StateExchange<'a> {
     }
 }
 
-fn find<'s>(source: &'s mut dyn EntrySource, name: &str) -> Result<EntryReader<'s>, StateError> {
-    source.open(name)?.ok_or_else(|| StateError::Missing { name: name.to_string() })
+fn find<'s>(
+    source: &'s mut dyn EntrySource,
+    name: &str,
+    part: usize,
+) -> Result<EntryReader<'s>, StateError> {
+    source.open(name, part)?.ok_or_else(|| StateError::Missing { name: name.to_string() })
+}
+
+/// Reads rows of an array in their order.
+struct RowReader<'e, 's> {
+    name: &'e str,
+    entry: &'e mut EntryReader<'s>,
+    /// Number of the next row in the whole array.
+    at: usize,
+}
+
+impl RowReader<'_, '_> {
+    /// Gives some rows that follow, `some` at a time at most.
+    fn visit<T: StateNumber>(
+        &mut self,
+        wanted: Range<usize>,
+        some: &mut [T],
+        mut visit: impl FnMut(usize, &mut [T]),
+    ) -> Result<(), StateError> {
+        self.skip::<T>(wanted.start)?;
+        let most = some.len();
+        for first in wanted.clone().step_by(most) {
+            let some = &mut some[..most.min(wanted.end - first)];
+            let read = self.entry.bytes.read_exact(bytemuck::cast_slice_mut(some));
+            read.map_err(|error| damaged(self.name, error))?;
+            visit(first, some);
+        }
+        self.at = wanted.end;
+        Ok(())
+    }
+
+    /// Goes on to a row.
+    fn skip<T>(&mut self, to: usize) -> Result<(), StateError> {
+        let bytes = ((to - self.at) * size_of::<T>()) as u64;
+        self.at = to;
+        match io::copy(&mut (&mut self.entry.bytes).take(bytes), &mut io::sink()) {
+            Ok(read) if read == bytes => Ok(()),
+            Ok(_) => Err(damaged(self.name, "it is shorter than it says")),
+            Err(error) => Err(damaged(self.name, error)),
+        }
+    }
 }
 
 /// Number of rows of an array, whose type must be `T` and whose length that of the entry.
@@ -252,6 +416,11 @@ fn other_shape<T: StateNumber>(name: String, content: &Content, rows: usize) -> 
 
 fn fill(name: &str, entry: &mut EntryReader<'_>, bytes: &mut [u8]) -> Result<(), StateError> {
     entry.bytes.read_exact(bytes).map_err(|error| damaged(name, error))?;
+    end_of(name, entry)
+}
+
+/// Nothing follows in an entry, and its checksum is right.
+fn end_of(name: &str, entry: &mut EntryReader<'_>) -> Result<(), StateError> {
     // The checksum is compared where the entry ends.
     match entry.bytes.read(&mut [0]) {
         Ok(0) => Ok(()),

@@ -32,16 +32,22 @@
 //! A file of a state is an archive that NumPy reads (`numpy.load("grains.npz")`): each array is an
 //! entry `name.npy`, as it lies in memory. Values that are no arrays are entries `name.postcard`,
 //! and `about.json` says whose state it is. The archive has a checksum of each entry.
+//!
+//! A component of several processes has a file of each: `fluid.npz`, `fluid.part-1.npz`, and so on. Arrays and lists
+//! that are shared ([`StateExchange::shared_array`]) go on from part to part; all else is in the first. Any number of
+//! processes can put them back.
 
 mod archive;
 mod error;
 mod exchange;
 mod number;
 pub mod numpy;
+mod parts;
 mod saved;
 
 pub use archive::{StateArchive, StateHeader};
 pub use error::StateError;
 pub use exchange::{KeepsState, StateExchange};
 pub use number::StateNumber;
+pub use parts::{SharedRows, StatePart, StatePlace, bytes_on_disk};
 pub use saved::SavedState;

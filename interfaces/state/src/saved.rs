@@ -3,12 +3,14 @@
 use crate::error::StateError;
 use crate::exchange::{EntryReader, EntrySource, KeepsState, StateExchange};
 use crate::number::{StateNumber, shape_of};
+use crate::parts::{StatePart, StatePlace};
 
 /// A state that was taken out of a component. Taking it costs a copy in memory; a file of it may be written
 /// while the component goes on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SavedState {
     pub(crate) entries: Vec<SavedEntry>,
+    pub(crate) part: StatePart,
 }
 
 /// A named piece of a state.
@@ -17,6 +19,8 @@ pub(crate) struct SavedEntry {
     pub name: String,
     pub content: Content,
     pub bytes: Vec<u8>,
+    /// True if each part of the state has some of it; else the first has all.
+    pub is_shared: bool,
 }
 
 /// What an entry holds.
@@ -36,12 +40,18 @@ impl SavedEntry {
     pub fn array<T: StateNumber>(name: String, values: &[T]) -> Result<Self, StateError> {
         let content = Content::Array { number: T::NAME.into(), shape: shape_of::<T>(values.len()) };
         let from: &[u8] = bytemuck::cast_slice(values);
-        let mut bytes = Vec::new();
-        if bytes.try_reserve_exact(from.len()).is_err() {
-            return Err(StateError::Memory { name, bytes: from.len() });
-        }
+        let mut bytes = room_for(&name, from.len())?;
         bytes.extend_from_slice(from);
-        Ok(Self { name, content, bytes })
+        Ok(Self { name, content, bytes, is_shared: false })
+    }
+}
+
+/// Room for a copy that is so long.
+pub(crate) fn room_for(name: &str, length: usize) -> Result<Vec<u8>, StateError> {
+    let mut bytes = Vec::new();
+    match bytes.try_reserve_exact(length) {
+        Ok(()) => Ok(bytes),
+        Err(_) => Err(StateError::Memory { name: name.into(), bytes: length }),
     }
 }
 
@@ -61,9 +71,22 @@ impl SavedState {
     pub fn told(
         tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
     ) -> Result<Self, StateError> {
+        Self::told_for(None, tell)
+    }
+
+    /// The state that `tell` names, for a file.
+    ///
+    /// # Errors
+    /// As [`SavedState::told`].
+    pub fn told_for(
+        place: Option<&StatePlace>,
+        tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
+    ) -> Result<Self, StateError> {
         let mut entries = Vec::new();
-        tell(&mut StateExchange::saving(&mut entries))?;
-        Ok(Self { entries })
+        let mut exchange = StateExchange::saving(&mut entries, place);
+        tell(&mut exchange)?;
+        let part = exchange.part();
+        Ok(Self { entries, part })
     }
 
     /// Puts the state back into a component that was made anew from the same scene.
@@ -83,7 +106,7 @@ impl SavedState {
         tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
     ) -> Result<(), StateError> {
         let mut source = self;
-        let mut exchange = StateExchange::restoring(&mut source);
+        let mut exchange = StateExchange::restoring(&mut source, None);
         tell(&mut exchange)?;
         exchange.end()
     }
@@ -99,7 +122,7 @@ impl SavedState {
 }
 
 impl EntrySource for &SavedState {
-    fn open(&mut self, name: &str) -> Result<Option<EntryReader<'_>>, StateError> {
+    fn open(&mut self, name: &str, _: usize) -> Result<Option<EntryReader<'_>>, StateError> {
         let entry = self.entries.iter().find(|entry| entry.name == name);
         Ok(entry.map(|entry| EntryReader {
             content: entry.content.clone(),

@@ -51,8 +51,7 @@ impl KeepsState for Bed {
 fn whole(bed: &mut Bed) -> Vec<u8> {
     let home = tempfile::tempdir().unwrap();
     let path = home.path().join("grains.npz");
-    let header =
-        StateHeader { component: "grains".into(), program: "bed".into(), version: 3, window: 12 };
+    let header = StateHeader::whole("grains", "bed", 3, 12);
     SavedState::of(bed).unwrap().write(&path, &header).unwrap();
     std::fs::read(path).unwrap()
 }

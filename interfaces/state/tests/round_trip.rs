@@ -2,8 +2,13 @@
 
 use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
-use tremie_state::{KeepsState, SavedState, StateArchive, StateError, StateExchange, StateHeader};
+use tremie_state::{
+    KeepsState, SavedState, SharedRows, StateArchive, StateError, StateExchange, StateHeader,
+    StatePart, StatePlace, bytes_on_disk,
+};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Counters {
@@ -42,7 +47,7 @@ impl KeepsState for Bed {
 }
 
 fn header() -> StateHeader {
-    StateHeader { component: "grains".into(), program: "bed".into(), version: 3, window: 12 }
+    StateHeader::whole("grains", "bed", 3, 12)
 }
 
 fn bed(grains: usize, cells: usize) -> Bed {
@@ -171,4 +176,103 @@ fn entries_that_are_missing_unknown_or_twice_are_named() {
     };
     let error = SavedState::of(&mut Other(twice)).unwrap_err();
     assert_eq!(error.to_string(), "the state has two entries `steps`");
+}
+
+/// Some rows of a table that several processes have together, and what all of them have alike.
+#[derive(Debug, PartialEq)]
+struct Share {
+    rows: SharedRows,
+    /// By row of the whole table.
+    values: BTreeMap<usize, [f32; 2]>,
+    /// Rows that it wants noted; of all processes, once they are put back.
+    noted: Vec<u32>,
+    steps: u64,
+    part: StatePart,
+}
+
+impl Share {
+    fn of(part: StatePart, all: usize, own: Range<usize>, held: Vec<Range<usize>>) -> Self {
+        let rows = SharedRows { all, own: own.clone(), held };
+        let values = own.clone().map(|row| (row, [row as f32, -(row as f32)])).collect();
+        let noted = own.filter(|row| row % 1000 == 7).map(|row| row as u32).collect();
+        Self { rows, values, noted, steps: 41, part }
+    }
+
+    /// So many rows of so many shares, cut evenly, each of which holds some more.
+    fn all(rows: usize, shares: usize) -> impl Iterator<Item = Self> {
+        let cut = move |share: usize| rows * share / shares;
+        (0..shares).map(move |share| {
+            let own = cut(share)..cut(share + 1);
+            let held = own.start.saturating_sub(5)..(own.end + 5).min(rows);
+            // The table goes on from its end to its beginning.
+            let wraps = [0..3, held.start.max(3)..held.end];
+            let held = if held.start > 3 { wraps.to_vec() } else { vec![held] };
+            let part = StatePart { number: share as u32, of: shares as u32 };
+            Self::of(part, rows, own, held)
+        })
+    }
+}
+
+impl KeepsState for Share {
+    const STATE_VERSION: u32 = 1;
+
+    fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        state.keep_part(self.part);
+        let (restores, values) = (state.restores(), &mut self.values);
+        state.value("steps", &mut self.steps)?;
+        state.shared_array("table", &self.rows, |first, rows: &mut [[f32; 2]]| {
+            for (row, value) in (first..).zip(rows) {
+                match restores {
+                    true => drop(values.insert(row, *value)),
+                    false => *value = values[&row],
+                }
+            }
+        })?;
+        state.shared_list("noted", &mut self.noted)
+    }
+}
+
+/// A state of three processes is put back by one, two and five, each of which gets the rows that it holds.
+#[test]
+fn parts_are_put_back_by_any_number_of_processes() {
+    const ROWS: usize = 23_456;
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("fluid.npz");
+    let header = StateHeader::whole("fluid", "share", 1, 8);
+    let place = StatePlace { path: path.clone(), header: header.clone(), within: String::new() };
+    let mut states = Share::all(ROWS, 3).map(|mut share| SavedState::of(&mut share).unwrap());
+    let first = states.next().unwrap();
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| first.write(&path, &header));
+        states.for_each(|state| state.write_part(&place).unwrap());
+        assert_eq!(waiting.join().unwrap().unwrap(), bytes_on_disk(&path));
+    });
+    for shares in [1, 2, 5] {
+        for mut share in Share::all(ROWS, shares) {
+            let held = share.rows.held.clone();
+            share.values.clear();
+            share.steps = 0;
+            StateArchive::open(&path).unwrap().restore("share", &mut share).unwrap();
+            assert!(share.values.keys().copied().eq(held.into_iter().flatten()));
+            assert!(share.values.iter().all(|(&row, value)| *value == [row as f32, -(row as f32)]));
+            assert_eq!((share.steps, share.noted.len()), (41, 24));
+        }
+    }
+    let restore = |mut share: Share| {
+        let restored = StateArchive::open(&path).unwrap().restore("share", &mut share);
+        restored.unwrap_err().to_string()
+    };
+    let text = restore(Share::all(ROWS + 1, 1).next().unwrap());
+    assert!(text.starts_with("`table` of the state holds <f4, 23456 x 2, expected"), "{text}");
+    // A part of another checkpoint, and one that is lost.
+    let other = StatePlace { header: StateHeader { window: 9, ..header }, ..place };
+    let part = home.path().join("fluid.part-2.npz");
+    std::fs::remove_file(&part).unwrap();
+    let mut last = Share::all(ROWS, 3).last().unwrap();
+    SavedState::of(&mut last).unwrap().write_part(&other).unwrap();
+    let text = restore(Share::all(ROWS, 1).next().unwrap());
+    assert!(text.contains("fluid.part-2.npz") && text.contains("no part"), "{text}");
+    std::fs::remove_file(&part).unwrap();
+    let text = restore(Share::all(ROWS, 1).next().unwrap());
+    assert!(text.contains("fluid.part-2.npz"), "{text}");
 }

@@ -8,7 +8,9 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use tremie_messages::start::{Clock, checkpoint};
-use tremie_state::{SavedState, StateArchive, StateError, StateExchange, StateHeader};
+use tremie_state::{
+    SavedState, StateArchive, StateError, StateExchange, StateHeader, bytes_on_disk,
+};
 
 /// What a checkpoint is of: `checkpoint.json` in its folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,7 +47,7 @@ pub struct ComponentRecord {
     pub state: u32,
     /// Substeps that it makes in a window.
     pub substeps: u32,
-    /// Length of its file [bytes].
+    /// Length of its file, or of all parts [bytes].
     pub bytes: u64,
 }
 
@@ -130,12 +132,7 @@ impl UnfinishedCheckpoint {
         let part = checkpoint::unfinished(&self.output, self.window);
         let whole = checkpoint::folder(&self.output, self.window);
         let write = || -> Result<(), OutputError> {
-            let header = StateHeader {
-                component: ORCHESTRATOR.into(),
-                program: ORCHESTRATOR.into(),
-                version: STATE_VERSION,
-                window: self.window,
-            };
+            let header = StateHeader::whole(ORCHESTRATOR, ORCHESTRATOR, STATE_VERSION, self.window);
             let path = checkpoint::state_file(&part, ORCHESTRATOR);
             state
                 .write(&path, &header)
@@ -304,7 +301,7 @@ impl WholeCheckpoint {
         let manifest = read(super::MANIFEST).map_err(damaged)?;
         for (name, component) in &record.components {
             let path = checkpoint::state_file(&folder, name);
-            let length = fs::metadata(&path).map_or(0, |file| file.len());
+            let length = bytes_on_disk(&path);
             if length != component.bytes {
                 return Err(damaged(format!(
                     "{} has {length} bytes, expected {}",

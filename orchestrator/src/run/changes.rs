@@ -43,6 +43,8 @@ const MAY_CHANGE: &[&str] = &[
     "settings.*.smagorinsky",
     "settings.*.tolerance",
     "settings.*.iterations",
+    "settings.*.launch",
+    "settings.*.deadline",
     "settings.viewer",
 ];
 

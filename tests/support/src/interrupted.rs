@@ -141,12 +141,7 @@ fn copy(from: &Path, to: &Path) {
 fn keep<O: Observer>(observer: &mut O, output: &Path, window: u64) {
     let folder = checkpoint::folder(output, window);
     std::fs::create_dir_all(&folder).expect("a folder");
-    let header = StateHeader {
-        component: "observer".into(),
-        program: program::<O>(),
-        version: STATE_VERSION,
-        window,
-    };
+    let header = StateHeader::whole("observer", &program::<O>(), STATE_VERSION, window);
     let state = SavedState::told(|state| observer.exchange_state(state)).expect("a state");
     state.write(&checkpoint::state_file(&folder, "observer"), &header).expect("a file");
 }

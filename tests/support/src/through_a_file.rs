@@ -10,12 +10,7 @@ pub fn through_a_file<T: KeepsState>(before: &mut T, after: &mut T) {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("state.npz");
     let program = "tried";
-    let header = StateHeader {
-        component: "tried".into(),
-        program: program.into(),
-        version: T::STATE_VERSION,
-        window: 0,
-    };
+    let header = StateHeader::whole("tried", program, T::STATE_VERSION, 0);
     SavedState::of(before).and_then(|state| state.write(&path, &header)).expect("a file");
     let restored = StateArchive::open(&path).and_then(|mut file| file.restore(program, after));
     restored.expect("the state fits");

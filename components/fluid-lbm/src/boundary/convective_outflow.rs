@@ -44,6 +44,7 @@ use crate::lattice::exact_sum::{ExactSum, values};
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 use tremie_team::Team;
@@ -167,7 +168,11 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
         self.cells.len() * (size_of::<FaceCell>() + size_of::<Option<[f64; Q]>>())
     }
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        _: &WholeNumbers,
+    ) -> Result<(), StateError> {
         state.value("offset", &mut self.offset)
     }
 }

@@ -17,6 +17,7 @@ use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::units::Units;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 use tremie_team::{Team, Variant};
@@ -63,7 +64,11 @@ pub trait FaceScheme<T: Real>: Send {
     ///
     /// # Errors
     /// A state of another face.
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError>;
+    fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
+    ) -> Result<(), StateError>;
 }
 
 /// The fluid at the beginning of a step.

@@ -77,7 +77,9 @@ use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::Profile;
@@ -277,21 +279,46 @@ impl<T: Real> FaceScheme<T> for OpenFace {
         size_of_val(self.cells.as_slice())
     }
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
+    ) -> Result<(), StateError> {
         state.value("steering", &mut self.steering)?;
-        let get = |item: &OpenItem| item.entering as u64;
-        let set = |item: &mut OpenItem, entering: u64| item.entering = entering as usize;
-        state.column("entering", &mut self.items, get, set)?;
-        if self.relax == 0.0 {
+        let other = "the open cells of the state are those of another face";
+        let whole = |cells: &[OpenCell], k: usize| numbers.in_whole(cells[k].at.cell);
+        // Of each item, its first cell and how many let fluid enter.
+        let own = self.items.iter().filter(|item| item.is_own);
+        let entry = |item: &OpenItem| [whole(&self.cells, item.cells.start), item.entering as u32];
+        let mut entering: Vec<[u32; 2]> = own.clone().map(entry).collect();
+        state.shared_list("entering", &mut entering)?;
+        let (mut cells, mut means) = (Vec::new(), Vec::new());
+        if self.relax > 0.0 {
+            let of_item = |item: &OpenItem| item.cells.clone().zip(item.means.clone());
+            for (k, mean) in own.flat_map(of_item) {
+                cells.push(whole(&self.cells, k));
+                means.push([mean.velocity, mean.difference]);
+            }
+            state.shared_list("cells", &mut cells)?;
+            state.shared_list("means", &mut means)?;
+        }
+        if !state.restores() {
             return Ok(());
         }
-        let means = self.items.iter().flat_map(|item| &item.means);
-        let mut values: Vec<f64> =
-            means.flat_map(|mean| [mean.velocity, mean.difference]).collect();
-        state.array("means", &mut values)?;
-        let means = self.items.iter_mut().flat_map(|item| &mut item.means);
-        for (mean, value) in means.zip(values.chunks_exact(2)) {
-            *mean = MeanFlow { velocity: value[0], difference: value[1] };
+        let entering: HashMap<u32, u32> = entering.into_iter().map(<(_, _)>::from).collect();
+        let means: HashMap<u32, [f64; 2]> = cells.into_iter().zip(means).collect();
+        for item in &mut self.items {
+            let Some(&found) = entering.get(&whole(&self.cells, item.cells.start)) else {
+                return state.unfit(other);
+            };
+            item.entering = found as usize;
+            for (k, mean) in item.cells.clone().zip(&mut item.means) {
+                match means.get(&whole(&self.cells, k)) {
+                    Some(&[velocity, difference]) => *mean = MeanFlow { velocity, difference },
+                    None if self.relax > 0.0 => return state.unfit(other),
+                    None => {}
+                }
+            }
         }
         Ok(())
     }

@@ -301,14 +301,30 @@ impl Patches {
         items: &mut [WallItem],
         state: &mut StateExchange<'_>,
     ) -> Result<(), StateError> {
-        let get = |account: &PatchAccount| [account.owed, account.smoothed, account.pay];
-        let set = |account: &mut PatchAccount, [owed, smoothed, pay]: [f64; 3]| {
-            *account = PatchAccount { owed, smoothed, pay, ..PatchAccount::default() };
-        };
-        state.column("owed", &mut self.accounts, get, set)?;
-        if state.restores() {
-            self.let_pay(items);
+        let mut known: Vec<_> =
+            self.numbers.iter().map(|(cube, number)| (*number, *cube)).collect();
+        known.sort_unstable();
+        let own = known.iter().filter(|(number, _)| !self.is_elsewhere[*number as usize]);
+        let (mut cubes, mut owed) = (Vec::new(), Vec::new());
+        for &(number, (fixture, [x, y, z])) in own {
+            let PatchAccount { owed: mass, smoothed, pay, .. } = self.accounts[number as usize];
+            cubes.push([i32::from(fixture), x, y, z]);
+            owed.push([mass, smoothed, pay]);
         }
+        state.shared_list("patches", &mut cubes)?;
+        state.shared_list("owed", &mut owed)?;
+        if !state.restores() {
+            return Ok(());
+        }
+        let kept: HashMap<[i32; 4], [f64; 3]> = cubes.into_iter().zip(owed).collect();
+        for (number, (fixture, [x, y, z])) in known {
+            let Some(&[owed, smoothed, pay]) = kept.get(&[fixture.into(), x, y, z]) else {
+                return state.unfit("the patches of wall of the state are those of another scene");
+            };
+            let account = PatchAccount { owed, smoothed, pay, ..PatchAccount::default() };
+            self.accounts[number as usize] = account;
+        }
+        self.let_pay(items);
         Ok(())
     }
 

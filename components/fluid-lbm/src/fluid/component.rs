@@ -92,6 +92,14 @@ impl LbmComponent {
         })
     }
 
+    /// See [`LbmFluid::fail_exchange`].
+    ///
+    /// # Errors
+    /// See there.
+    pub fn fail_exchange(&mut self, error: StateError) -> Result<(), StateError> {
+        self.fluid.fail_exchange(error)
+    }
+
     /// What so many ranks have each of the lattice: sentences for the user.
     ///
     /// # Errors

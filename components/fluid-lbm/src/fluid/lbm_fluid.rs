@@ -400,6 +400,14 @@ impl LbmFluid {
         solver!(&mut self.solver, s => s.set_state(turned));
     }
 
+    /// The part of an exchange of the state of a rank on which it could not begin: all ranks exchange it together.
+    ///
+    /// # Errors
+    /// This one, or that of the first rank that has one.
+    pub fn fail_exchange(&mut self, error: StateError) -> Result<(), StateError> {
+        solver!(&mut self.solver, s => s.fail_exchange(error))
+    }
+
     /// Time step [s].
     pub fn time_step(&self) -> f64 {
         solver!(&self.solver, s => s.lattice.units.time_step)
@@ -412,7 +420,7 @@ impl LbmFluid {
 }
 
 impl KeepsState for LbmFluid {
-    const STATE_VERSION: u32 = 1;
+    const STATE_VERSION: u32 = 2;
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         solver!(&mut self.solver, s => s.exchange(state))

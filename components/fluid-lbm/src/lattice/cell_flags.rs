@@ -7,6 +7,7 @@
 
 use crate::lattice::d3q19::Q;
 use crate::lattice::layout::Layout;
+use crate::ranks::whole_numbers::WholeNumbers;
 use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 
@@ -103,18 +104,30 @@ impl CellFlags {
     pub fn exchange(
         &mut self,
         state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
         is_alive: impl Fn(u32) -> bool,
     ) -> Result<(), StateError> {
-        let mut shared: Vec<_> = self.shared.iter().map(|&(cell, handle)| [cell, handle]).collect();
-        let mut vacated: Vec<_> = self.vacated.iter().map(|v| [v.cell, v.handle]).collect();
-        state.array("owners", &mut self.of)?;
-        state.list("shared", &mut shared)?;
-        state.list("covered", &mut self.covered)?;
-        state.list("vacated", &mut vacated)?;
-        if state.restores() {
-            self.shared = shared.into_iter().map(|[cell, handle]| (cell, handle)).collect();
-            self.vacated =
-                vacated.into_iter().map(|[cell, handle]| Vacated { cell, handle }).collect();
+        let restores = state.restores();
+        let claims = self.shared.iter().filter(|(cell, _)| numbers.is_own(*cell));
+        let mut shared: Vec<_> =
+            claims.map(|&(cell, handle)| [numbers.in_whole(cell), handle]).collect();
+        let left = self.vacated.iter().filter(|vacated| numbers.is_own(vacated.cell));
+        let mut vacated: Vec<_> = left.map(|v| [numbers.in_whole(v.cell), v.handle]).collect();
+        let mut covered = numbers.kept(&self.covered);
+        state.shared_array("owners", &numbers.rows_of(1), |first, owners: &mut [Owner]| {
+            let Some(first) = numbers.here(first as u32) else { return };
+            let own = &mut self.of[first as usize..][..owners.len()];
+            if restores { own.copy_from_slice(owners) } else { owners.copy_from_slice(own) }
+        })?;
+        state.shared_list("shared", &mut shared)?;
+        state.shared_list("covered", &mut covered)?;
+        state.shared_list("vacated", &mut vacated)?;
+        if restores {
+            let here = |[cell, handle]: [u32; 2]| Some((numbers.here(cell)?, handle));
+            self.shared = shared.into_iter().filter_map(here).collect();
+            self.covered = numbers.stored(&covered);
+            let vacated = vacated.into_iter().filter_map(here);
+            self.vacated = vacated.map(|(cell, handle)| Vacated { cell, handle }).collect();
             if !self.are_held_by(is_alive) {
                 return state.unfit("the cells of the state are not held by its bodies");
             }

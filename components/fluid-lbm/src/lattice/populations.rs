@@ -18,6 +18,8 @@ use tremie_team::simd::SimdVector;
 pub trait Real: StateNumber + Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {
     /// Atomic of the same layout.
     type Atomic: Send + Sync;
+    /// The populations of a cell, as a state keeps them.
+    type Row: StateNumber + AsMut<[Self]>;
     /// Count of numbers that fill 64 bytes.
     const LINE: usize;
     /// As f64, exact.
@@ -43,6 +45,7 @@ macro_rules! real {
     ($real:ty, $atomic:ty, $line:literal) => {
         impl Real for $real {
             type Atomic = $atomic;
+            type Row = [$real; Q];
             const LINE: usize = $line;
             #[inline(always)]
             fn to_f64(self) -> f64 {
@@ -155,12 +158,14 @@ impl<T: Real> Field<T> {
         }
     }
 
-    /// The first `count` numbers as they lie in memory.
-    pub fn numbers(&mut self, count: usize) -> &mut [T] {
-        assert!(count <= self.places().len(), "the field holds fewer numbers");
-        // SAFETY: the array holds as many numbers, and was zeroed; an atomic lies in memory as its
-        // number does; and nobody else uses the field while it is borrowed.
-        unsafe { std::slice::from_raw_parts_mut(self.base(), count) }
+    /// Copies the numbers from a place on to a column of rows, or the column to there.
+    pub fn exchange_column(&self, place: usize, i: usize, rows: &mut [T::Row], restores: bool) {
+        for (place, row) in self.places()[place..].iter().zip(rows) {
+            match restores {
+                true => row.as_mut()[i].store(place),
+                false => row.as_mut()[i] = T::load(place),
+            }
+        }
     }
 
     /// The number in a place.

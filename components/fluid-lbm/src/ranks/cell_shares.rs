@@ -62,6 +62,8 @@ pub struct CellShares {
     is_periodic: bool,
     ranks: usize,
     depth: i32,
+    /// Cells that are stored in all.
+    cells: usize,
 }
 
 /// The cells that one rank holds.
@@ -71,6 +73,8 @@ pub struct HeldBlocks {
     blocks: Vec<u32>,
     /// Those among them whose cells it counts.
     own: Range<u32>,
+    /// Cells of the whole lattice.
+    cells_of_whole: usize,
 }
 
 impl HeldBlocks {
@@ -89,6 +93,27 @@ impl HeldBlocks {
     /// Number in the whole lattice of a cell that is held.
     pub fn in_whole(&self, cell: u32) -> u32 {
         self.blocks[block_of(cell) as usize] * CELLS_PER_BLOCK + cell % CELLS_PER_BLOCK
+    }
+
+    /// Number here of a cell of the whole lattice, if it is held.
+    pub fn here(&self, cell: u32) -> Option<u32> {
+        let place = self.place(block_of(cell))?;
+        Some(place * CELLS_PER_BLOCK + cell % CELLS_PER_BLOCK)
+    }
+
+    /// Its blocks, as runs of such that follow each other.
+    pub fn runs(&self) -> impl Iterator<Item = Range<u32>> {
+        self.blocks.chunk_by(|a, b| a + 1 == *b).map(|run| run[0]..run[run.len() - 1] + 1)
+    }
+
+    /// Those among them whose cells it counts.
+    pub fn own(&self) -> Range<u32> {
+        self.own.clone()
+    }
+
+    /// Cells of the whole lattice.
+    pub fn cells_of_whole(&self) -> usize {
+        self.cells_of_whole
     }
 
     /// Place of a block of the whole lattice among those that are held.
@@ -126,7 +151,8 @@ impl CellShares {
                 layers.len()
             ));
         }
-        Ok(Self { layers, count: grid.n[2], is_periodic: grid.periodic[2], ranks, depth })
+        let (count, is_periodic, cells) = (grid.n[2], grid.periodic[2], stored as usize);
+        Ok(Self { layers, count, is_periodic, ranks, depth, cells })
     }
 
     /// The blocks that a rank counts.
@@ -147,7 +173,8 @@ impl CellShares {
             shifts.into_iter().any(|shift| low + shift <= last && high + shift >= first)
         };
         let held = (0..).zip(&self.layers).filter(|(_, layers)| meets(**layers));
-        HeldBlocks { blocks: held.map(|(block, _)| block).collect(), own }
+        let blocks = held.map(|(block, _)| block).collect();
+        HeldBlocks { blocks, own, cells_of_whole: self.cells }
     }
 
     /// The blocks that a rank holds copies of, and another counts.

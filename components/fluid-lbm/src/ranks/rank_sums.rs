@@ -4,6 +4,7 @@ use crate::lattice::exact_sum::{ExactSum, LIMBS};
 use crate::lattice::momentum_exchange::ExchangeTally;
 use crate::ranks::communicator::Communicator;
 use std::sync::{Mutex, PoisonError};
+use tremie_state::StateError;
 
 /// The ranks that compute a lattice together, as one of them sees them; most lattices have one alone.
 #[derive(Default)]
@@ -108,6 +109,23 @@ impl Ranks {
         match &self.way {
             Some(way) => way.lock().unwrap_or_else(PoisonError::into_inner).gather(bytes),
             None => vec![bytes.to_vec()],
+        }
+    }
+
+    /// Goes on where no rank has an error.
+    ///
+    /// # Errors
+    /// That of the first rank that has one.
+    pub fn agree(&mut self, own: Result<(), StateError>) -> Result<(), StateError> {
+        let number = self.number;
+        let Some(way) = self.way() else { return own };
+        let text = own.as_ref().err().map(|error| format!("rank {number}: {error}"));
+        let all = way.gather(text.unwrap_or_default().as_bytes());
+        let mut first = all.into_iter().find(|text| !text.is_empty()).unwrap_or_default();
+        way.broadcast(&mut first);
+        match first.is_empty() {
+            true => own,
+            false => Err(StateError::Unfit(String::from_utf8_lossy(&first).into_owned())),
         }
     }
 

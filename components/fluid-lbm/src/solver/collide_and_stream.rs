@@ -20,6 +20,7 @@ use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
 use crate::lattice::populations::Field;
 use crate::lattice::reductions::CellStatistics;
 use crate::lattice::reflection_impulse::ReflectionImpulse;
+use crate::ranks::whole_numbers::WholeNumbers;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use std::ops::Range;
@@ -173,20 +174,26 @@ impl<T: CollisionKernel> CollideAndStream<T> {
         &mut self,
         state: &mut StateExchange<'_>,
         layout: &Layout,
+        numbers: &WholeNumbers,
     ) -> Result<(), StateError> {
-        let mut wanted: Vec<u8> =
-            self.requests.lines.iter().map(|line| line.load(Relaxed)).collect();
-        state.list("wanted_lines", &mut wanted)?;
+        let mut are_wanted = !self.requests.lines.is_empty();
+        state.value("are_wanted", &mut are_wanted)?;
         state.value("wanted_for", &mut self.requests.left)?;
-        if !state.restores() || wanted.is_empty() {
+        if !are_wanted {
             return Ok(());
         }
         self.make_room(layout);
-        if wanted.len() != self.requests.lines.len() {
-            return state.unfit("the densities that the state wants are those of another lattice");
-        }
-        self.requests.lines = wanted.into_iter().map(AtomicU8::new).collect();
-        Ok(())
+        let (restores, lines) = (state.restores(), &self.requests.lines);
+        let rows = numbers.rows_of(T::LINE);
+        state.shared_array("wanted_lines", &rows, |first, wanted: &mut [u8]| {
+            let Some(cell) = numbers.here((first * T::LINE) as u32) else { return };
+            for (line, wanted) in lines[cell as usize / T::LINE..].iter().zip(wanted) {
+                match restores {
+                    true => line.store(*wanted, Relaxed),
+                    false => *wanted = line.load(Relaxed),
+                }
+            }
+        })
     }
 
     /// Makes room for the densities that links of bodies need, once there are bodies.

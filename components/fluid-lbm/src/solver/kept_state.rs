@@ -16,24 +16,39 @@ impl<T: CollisionKernel> LbmSolver<T> {
     /// A state of another scene, or what cannot be kept: bodies between their event and the step
     /// after.
     pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let exchanged = self.exchange_all(state);
+        // No rank may go on to what all do together while another could not follow.
+        self.exec.ranks.agree(exchanged)?;
+        if state.restores() {
+            self.resume();
+        }
+        Ok(())
+    }
+
+    /// The part of an exchange of a rank on which it could not begin.
+    ///
+    /// # Errors
+    /// This one, or that of the first rank that has one.
+    pub fn fail_exchange(&mut self, error: StateError) -> Result<(), StateError> {
+        self.exec.ranks.agree(Err(error))
+    }
+
+    fn exchange_all(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         if self.bodies.list.come_or_go() {
             return state.unfit("bodies come or go: the fluid is kept at the end of a step");
         }
         self.exchange_cells(state)?;
         let Self { lattice, collision, bodies, walls, faces, gaps, .. } = self;
-        collision.exchange(state, &lattice.layout)?;
+        let numbers = &lattice.numbers;
+        collision.exchange(state, &lattice.layout, numbers)?;
         state.value("on_bodies", &mut bodies.total)?;
         state.within("walls", |state| walls.exchange(state))?;
-        state.within("faces", |state| faces.exchange(state))?;
+        state.within("faces", |state| faces.exchange(state, numbers))?;
         let cells = lattice.layout.cells.len();
         state.within("gaps", |state| gaps.exchange(state, cells))?;
-        state.within("pinched", |state| self.pinched.exchange(state, cells))?;
-        state.within("budget", |state| self.budget.exchange(state, &self.lattice.units))?;
-        state.within("probes", |state| self.probes.exchange(state))?;
-        if state.restores() {
-            self.resume();
-        }
-        Ok(())
+        state.within("pinched", |state| self.pinched.exchange(state, numbers))?;
+        state.within("budget", |state| self.budget.exchange(state, &lattice.units))?;
+        state.within("probes", |state| self.probes.exchange(state))
     }
 
     /// The bodies, and whose the cells are.
@@ -61,7 +76,9 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if self.bodies.list.had_any() {
             self.list_items();
         }
-        let Self { lattice, collision, bodies, gaps, exec, .. } = self;
+        let Self { lattice, collision, bodies, faces, gaps, exec, .. } = self;
+        lattice.recount(&mut exec.ranks);
+        faces.count_entering(&mut exec.ranks);
         bodies.list.note_sharing(lattice.flags.sharing());
         gaps.resume(lattice, &bodies.list, exec);
         bodies.find_links(lattice, gaps, &collision.requests, false, exec);

@@ -12,6 +12,7 @@ use crate::lattice::reductions::CellStatistics;
 use crate::lattice::units::Units;
 use crate::ranks::halo::Halo;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use tremie_state::{StateError, StateExchange};
 
 /// Cells, populations and flags of a lattice.
@@ -43,6 +44,8 @@ pub struct LatticeState<T: Real> {
     pub counts: [i64; 4],
     /// The copies of other ranks' cells.
     pub halo: Halo,
+    /// Numbers of the cells in the lattice of all ranks.
+    pub numbers: WholeNumbers,
 }
 
 impl<T: Real> LatticeState<T> {
@@ -52,6 +55,7 @@ impl<T: Real> LatticeState<T> {
             units,
             field: Field::new(layout.places.stride()),
             halo: Halo::default(),
+            numbers: WholeNumbers::new(&layout, None),
             counts: [0; 4],
             flags: CellFlags::new(layout.cells.len(), layout.own.clone()),
             fluid_cells: layout.own.len(),
@@ -120,15 +124,49 @@ impl<T: Real> LatticeState<T> {
         state: &mut StateExchange<'_>,
         is_alive: impl Fn(u32) -> bool,
     ) -> Result<(), StateError> {
-        let count = self.layout.places.stride() * Q;
-        state.array("populations", self.field.numbers(count))?;
-        self.flags.exchange(state, is_alive)?;
         state.value("steps", &mut self.steps)?;
-        state.value("statistics", &mut self.statistics)?;
-        self.fluid_cells = self.flags.fluid_cells;
-        self.count_cells(&mut Ranks::default());
+        // It says where the populations are.
         self.parity = Parity::after(self.steps);
-        Ok(())
+        self.exchange_populations(state)?;
+        self.flags.exchange(state, &self.numbers, is_alive)?;
+        state.value("statistics", &mut self.statistics)
+    }
+
+    /// The populations that the next collision finds, cell by cell.
+    fn exchange_populations(&self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+        let (restores, rows) = (state.restores(), self.numbers.rows_of(1));
+        let Self { layout, field, parity, numbers, .. } = self;
+        state.shared_array("populations", &rows, |first, mut rows: &mut [T::Row]| {
+            let Some(mut cell) = numbers.here(first as u32) else { return };
+            while !rows.is_empty() {
+                // Up to the end of a line at a time.
+                let count = (T::LINE - cell as usize % T::LINE).min(rows.len());
+                let (run, rest) = rows.split_at_mut(count);
+                for i in 0..Q {
+                    match layout.places.of_line(*parity, cell as usize / T::LINE, i) {
+                        Some(place) => {
+                            let place = place + cell as usize % T::LINE;
+                            field.exchange_column(place, i, run, restores);
+                        }
+                        None => {
+                            for (cell, row) in (cell..).zip(run.chunks_mut(1)) {
+                                let place = layout.places.of(*parity, cell, i);
+                                field.exchange_column(place, i, row, restores);
+                            }
+                        }
+                    }
+                }
+                (cell, rows) = (cell + count as u32, rest);
+            }
+        })
+    }
+
+    /// Finds numbers that follow from a state that was put back.
+    pub fn recount(&mut self, ranks: &mut Ranks) {
+        let mut cells = [self.flags.fluid_cells as i64];
+        ranks.count(&mut cells);
+        self.fluid_cells = cells[0] as usize;
+        self.count_cells(ranks);
     }
 
     /// Puts all cells into local equilibrium; see [`crate::LbmFluid::set_state`].

@@ -14,6 +14,7 @@ use crate::lattice::units::Units;
 use crate::ranks::cell_shares::{CellShares, depth};
 use crate::ranks::halo::Halo;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use crate::solver::budget::Budget;
 use crate::solver::collide_and_stream::CollideAndStream;
 use crate::solver::crossing_bodies::count_crossing;
@@ -120,6 +121,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let faces = OpenBoundaries::new(&mut built);
         let relaxation = relaxation_of(parameters, fluid, &units, tau);
         let mut lattice = LatticeState::new(built.layout, units, relaxation, tau);
+        lattice.numbers = WholeNumbers::new(&lattice.layout, window);
         if let Some(shares) = &shares {
             let obstacles = &walls.conditions.ground().voxels.obstacles;
             lattice.halo = Halo::new(shares, rank, (&lattice.layout, obstacles), size_of::<T>());

@@ -11,6 +11,7 @@ use crate::lattice::exact_sum::{ExactSum, values};
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::static_boundaries::StaticBoundaries;
@@ -50,17 +51,19 @@ impl<T: Real> OpenBoundaries<T> {
     ///
     /// # Errors
     /// A state of other faces.
-    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
+    ) -> Result<(), StateError> {
         let mut all = self.schemes().enumerate();
         all.try_for_each(|(k, scheme)| {
-            state.within(&format!("{k}"), |state| scheme.exchange(state))
+            state.within(&format!("{k}"), |state| scheme.exchange(state, numbers))
         })?;
         drop(all);
         self.surfaces.iter_mut().enumerate().try_for_each(|(k, surface)| {
             state.within(&format!("surface_{k}"), |state| surface.exchange(state))
-        })?;
-        self.count_entering(&mut Ranks::default());
-        Ok(())
+        })
     }
 
     /// Begins a step: moves the pistons of reservoirs.

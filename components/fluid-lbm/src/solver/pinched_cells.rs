@@ -32,6 +32,7 @@ use crate::boundary::refill::Content;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
 use crate::lattice::exact_sum::{ExactSum, add_vector};
 use crate::lattice::populations::Real;
+use crate::ranks::whole_numbers::WholeNumbers;
 use crate::solver::lattice_state::LatticeState;
 use tremie_state::{StateError, StateExchange};
 
@@ -81,33 +82,44 @@ impl Pinched {
         self.cells.reserve(cells);
     }
 
-    /// Keeps the cells with their momenta, or puts them back; `all` cells are stored.
+    /// Keeps the cells with their momenta, or puts them back.
     ///
     /// # Errors
     /// A state of another lattice.
     pub fn exchange(
         &mut self,
         state: &mut StateExchange<'_>,
-        all: usize,
+        numbers: &WholeNumbers,
     ) -> Result<(), StateError> {
-        let mut cells: Vec<u32> = self.cells.iter().map(|pinched| pinched.cell).collect();
-        let mut momenta: Vec<[f64; 3]> = self.cells.iter().map(|pinched| pinched.j).collect();
-        state.list("cells", &mut cells)?;
-        state.list("momenta", &mut momenta)?;
-        state.value("noted", &mut self.noted)?;
+        let [noted, others] = [0..self.noted, self.noted..self.cells.len()]
+            .map(|cells| self.cells[cells].iter().map(|pinched| pinched.cell).collect::<Vec<_>>());
+        let mut momenta: Vec<[f64; 3]> =
+            self.cells[..self.noted].iter().map(|pinched| pinched.j).collect();
+        // Each is of the rank that counts it.
+        let [mut noted, mut others] = [noted, others].map(|cells| numbers.kept(&cells));
+        state.shared_list("noted", &mut noted)?;
+        state.shared_list("momenta", &mut momenta)?;
+        state.shared_list("others", &mut others)?;
         if !state.restores() {
             return Ok(());
         }
+        if momenta.len() != noted.len() {
+            return state.unfit("the pinched cells of the state lack momenta");
+        }
         self.cells.clear();
         self.listed.fill(0);
-        for (&cell, &j) in cells.iter().zip(&momenta) {
-            if cell as usize >= all || self.is_listed(cell) {
-                return state.unfit("the pinched cells of the state are none of this lattice");
+        momenta.resize(noted.len() + others.len(), [0.0; 3]);
+        let count = noted.len();
+        self.noted = 0;
+        for (number, (&cell, &j)) in noted.iter().chain(&others).zip(&momenta).enumerate() {
+            let Some(cell) = numbers.here(cell).filter(|&cell| numbers.is_own(cell)) else {
+                continue;
+            };
+            if self.is_listed(cell) {
+                return state.unfit("the pinched cells of the state are there twice");
             }
+            self.noted += usize::from(number < count);
             self.list(Cell { cell, j });
-        }
-        if momenta.len() != cells.len() || self.noted > cells.len() {
-            return state.unfit("the pinched cells of the state lack momenta");
         }
         Ok(())
     }

@@ -3,5 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod kept;
 mod same_bits;
+mod story;
 mod thread_ranks;

@@ -35,6 +35,7 @@ use crate::lattice::populations::Real;
 use crate::lattice::reservoir_place::ReservoirPlace;
 use crate::lattice::units::Units;
 use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::Reservoir;
@@ -197,7 +198,11 @@ impl<T: Real> FaceScheme<T> for ReservoirFace {
         size_of_val(self.cells.as_slice())
     }
 
-    fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        _: &WholeNumbers,
+    ) -> Result<(), StateError> {
         state.value("mean", &mut self.mean)?;
         self.cylinder.exchange(state)
     }
