@@ -16,6 +16,8 @@ pub enum Call {
         /// Steps in it.
         substeps: u32,
     },
+    /// The vertices of surfaces that deform behind it.
+    Surface,
     /// The velocities at so many ports.
     Ports(u64),
     /// The values of probes.

@@ -10,7 +10,9 @@ use tremie_fluid_lbm::component::LbmComponent;
 use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::units::Time;
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, PortState, Problem, bytes_of};
+use tremie_sdk::messages::{
+    BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex, bytes_of,
+};
 use tremie_sdk::state::{StateError, StateExchange, StatePart};
 use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
 
@@ -77,6 +79,7 @@ impl MpiFluid {
 
 impl Fluid for MpiFluid {
     const PROGRAM: &'static str = concat!("fluid-lbm-mpi ", env!("CARGO_PKG_VERSION"));
+    const TAKES_SURFACES: bool = true;
     const TELLS_PORTS: bool = true;
 
     fn takes_polyhedra() -> bool {
@@ -126,6 +129,15 @@ impl Fluid for MpiFluid {
     ) -> Result<(), SolverError> {
         self.call(&Call::Advance { substeps }, bytes_of(bodies));
         self.share.advance(substeps, bodies, loads)
+    }
+
+    fn surface(&mut self, vertices: &[SurfaceVertex]) -> Result<(), SolverError> {
+        self.call(&Call::Surface, bytes_of(vertices));
+        self.share.surface(vertices)
+    }
+
+    fn surface_loads(&mut self, loads: &mut Vec<FacetLoad>) -> Result<(), SolverError> {
+        self.share.surface_loads(loads)
     }
 
     fn ports(&mut self, ports: &mut [PortState]) -> Result<(), SolverError> {

@@ -68,6 +68,7 @@ fn make(call: &Call, behind: &[u8], share: &mut LbmComponent) -> Result<(), Solv
             let bodies = values_of(behind).unwrap_or_default();
             share.advance(*substeps, &bodies, &mut vec![Load::default(); bodies.len()])
         }
+        Call::Surface => share.surface(&values_of(behind).unwrap_or_default()),
         Call::Ports(count) => share.ports(&mut vec![PortState::default(); *count as usize]),
         Call::Sampled => {
             share.sampled(&mut Vec::new());

@@ -7,6 +7,7 @@
 //! place is that of the facet's vertices, linearly in between.
 
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
+use crate::lattice::exact_sum::ExactSum;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::units::Units;
 use tremie_geometry::{Mesh, Surface};
@@ -87,6 +88,8 @@ pub struct DeformableShape {
     drift: Vec<[f64; 3]>,
     /// Load on each facet.
     pub loads: Vec<OnFacet>,
+    /// Sums of what each facet felt: force and torque.
+    pub felt: Vec<[ExactSum; 6]>,
     /// Loads that averaging holds back.
     carried: Vec<OnFacet>,
     /// Room for sums over facets, by piece.
@@ -106,6 +109,7 @@ impl DeformableShape {
             velocity: rest.clone(),
             given: rest.clone(),
             drift: rest,
+            felt: vec![Default::default(); loads.len()],
             carried: loads.clone(),
             sums: vec![FacetSums::default(); loads.len().div_ceil(FACETS_PER_PIECE)],
             loads,

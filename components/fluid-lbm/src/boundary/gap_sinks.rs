@@ -8,12 +8,16 @@
 //! fluid: on its side of the gap. A gap without probes has none: its body pays for it all along its
 //! surface; and so it does where an intake has no links.
 
-use crate::boundary::post_collision::LinkItem;
 use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::cell_flags::CellFlags;
+use crate::lattice::exact_sum::BinnedSum;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
+use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
+use crate::ranks::whole_ways::WholeWays;
 use std::collections::{BTreeMap, VecDeque};
+use tremie_fluid_kit::cells::obstacles::Obstacles;
 use tremie_state::{StateError, StateExchange};
 
 /// Entry of the table of cells where no modelled gap is.
@@ -72,9 +76,9 @@ struct Intake {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Given {
     /// Sum of `6 w_i rho` over them.
-    weight: f64,
+    pub weight: BinnedSum,
     /// Mass that they took from the fluid.
-    pub mass: f64,
+    pub mass: BinnedSum,
 }
 
 impl GapSinks {
@@ -109,28 +113,40 @@ impl GapSinks {
 
     /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first,
     /// then through what bodies cover there now and may leave later, then into the gaps.
-    pub fn look(&mut self, in_gap: &[u16], flags: &CellFlags, layout: &Layout) {
+    pub fn look(
+        &mut self,
+        in_gap: &[u16],
+        flags: &CellFlags,
+        layout: &Layout,
+        (numbers, obstacles, ranks): (&WholeNumbers, &Obstacles, &Ranks),
+    ) {
         if !self.nearest.is_empty() || self.list.is_empty() {
             return;
         }
-        self.nearest = vec![FAR; in_gap.len()];
-        let rank = |cell: u32| {
+        let order = |cell: u32| {
             let is_in_gap = in_gap[cell as usize] != NO_GAP;
-            2 * usize::from(is_in_gap) + usize::from(!flags.is_fluid(cell))
+            2 * u8::from(is_in_gap) + u8::from(!flags.is_fluid(cell))
         };
-        let mut reached = [const { VecDeque::new() }; 4];
-        for (intake, cell) in std::mem::take(&mut self.seeds) {
-            self.nearest[cell as usize] = intake;
-            reached[0].push_back(cell);
+        let mut seeds = std::mem::take(&mut self.seeds);
+        seeds.sort_unstable();
+        if ranks.is_alone() {
+            let around =
+                |cell: u32, visit: &mut dyn FnMut(u32)| faces(layout, cell).for_each(visit);
+            self.nearest = spread(in_gap.len(), &seeds, order, around);
+            return;
         }
-        while let Some(cell) = reached.iter_mut().find_map(VecDeque::pop_front) {
-            for next in faces(layout, cell) {
-                if self.nearest[next as usize] == FAR {
-                    self.nearest[next as usize] = self.nearest[cell as usize];
-                    reached[rank(next)].push_back(next);
-                }
-            }
-        }
+        let whole = WholeWays::gather(layout, order, (numbers, obstacles, ranks));
+        let own = seeds.iter().filter(|(_, cell)| layout.is_own(*cell));
+        let told: Vec<i64> =
+            own.flat_map(|&(k, cell)| [k.into(), numbers.in_whole(cell).into()]).collect();
+        let all = ranks.collect(&told);
+        let mut seeds: Vec<_> = all.chunks_exact(2).map(|s| (s[0] as u16, s[1] as u32)).collect();
+        seeds.sort_unstable();
+        let order = |cell: u32| whole.order(cell);
+        let around = |cell: u32, visit: &mut dyn FnMut(u32)| whole.faces(cell, visit);
+        let nearest = spread(whole.len(), &seeds, order, around);
+        let here = |cell: u32| nearest[numbers.in_whole(cell) as usize];
+        self.nearest = (0..layout.cells.len() as u32).map(here).collect();
     }
 
     /// Keeps what is due at the intakes and which is nearest to each of `cells` cells, or puts it
@@ -141,6 +157,7 @@ impl GapSinks {
     pub fn exchange(
         &mut self,
         state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
         cells: usize,
     ) -> Result<(), StateError> {
         let get = |intake: &Intake| [intake.due, intake.weight, intake.rate];
@@ -149,14 +166,19 @@ impl GapSinks {
         };
         state.column("intakes", &mut self.list, get, set)?;
         // They depend on which cells were fluid when they were looked for.
-        state.list("nearest_intakes", &mut self.nearest)?;
-        if ![0, cells].contains(&self.nearest.len()) {
-            return state.unfit("the intakes of the state are those of another lattice");
+        let (restores, mut are_known) = (state.restores(), !self.nearest.is_empty());
+        state.value("nearest_are_known", &mut are_known)?;
+        if !are_known {
+            return Ok(());
         }
-        if !self.nearest.is_empty() {
-            self.seeds.clear();
-        }
-        Ok(())
+        self.nearest.resize(cells, FAR);
+        self.seeds.clear();
+        let nearest = &mut self.nearest;
+        state.shared_array("nearest_intakes", &numbers.rows_of(1), |first, rows: &mut [u16]| {
+            let Some(first) = numbers.here(first as u32) else { return };
+            let own = &mut nearest[first as usize..][..rows.len()];
+            if restores { own.copy_from_slice(rows) } else { rows.copy_from_slice(own) }
+        })
     }
 
     /// Memory that the table takes [bytes].
@@ -184,17 +206,12 @@ impl GapSinks {
         part
     }
 
-    /// Begins to settle a step: what the links of parts gave, these items, is due no more. Returns
-    /// what nobody can give, because the links of an intake have gone.
-    pub fn receive<'i>(&mut self, items: impl Iterator<Item = &'i LinkItem>) -> f64 {
-        for intake in &mut self.list {
-            intake.weight = 0.0;
-        }
-        for item in items {
-            for (intake, given) in self.list.iter_mut().zip(&item.gaps.given) {
-                intake.weight += given.weight;
-                intake.due -= given.mass;
-            }
+    /// Begins to settle a step: what the links of parts gave is due no more, of each intake the weight and
+    /// the mass. Returns what nobody can give, because the links of an intake have gone.
+    pub fn receive(&mut self, given: impl Iterator<Item = [f64; 2]>) -> f64 {
+        for (intake, [weight, mass]) in self.list.iter_mut().zip(given) {
+            intake.weight = weight;
+            intake.due -= mass;
         }
         let gone = self.list.iter_mut().filter(|intake| intake.weight == 0.0);
         gone.map(|intake| std::mem::take(&mut intake.due)).sum()
@@ -213,11 +230,37 @@ impl GapSinks {
     }
 }
 
+/// The intake nearest to each of so many cells, from these cells of intakes on, by way of the cells around; those of
+/// a lower order first.
+fn spread(
+    cells: usize,
+    seeds: &[(u16, u32)],
+    order: impl Fn(u32) -> u8,
+    around: impl Fn(u32, &mut dyn FnMut(u32)),
+) -> Vec<u16> {
+    let mut nearest = vec![FAR; cells];
+    let mut reached = [const { VecDeque::new() }; 4];
+    for &(intake, cell) in seeds {
+        nearest[cell as usize] = intake;
+        reached[0].push_back(cell);
+    }
+    while let Some(cell) = reached.iter_mut().find_map(VecDeque::pop_front) {
+        let intake = nearest[cell as usize];
+        around(cell, &mut |next| {
+            if nearest[next as usize] == FAR {
+                nearest[next as usize] = intake;
+                reached[usize::from(order(next))].push_back(next);
+            }
+        });
+    }
+    nearest
+}
+
 impl Given {
     /// A link of `6 w_i rho` gave at a rate.
     #[inline]
     pub fn add(&mut self, weight: f64, rate: f64) {
-        self.weight += weight;
-        self.mass += rate * weight;
+        self.weight.add(weight);
+        self.mass.add(rate * weight);
     }
 }

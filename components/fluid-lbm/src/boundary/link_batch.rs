@@ -276,7 +276,9 @@ impl Batch {
                 let (s, l) = (&mut self.eights[k / LANES], k % LANES);
                 s.push[l] += rate * s.weight[l];
                 let weight = s.weight[l] * (1.0 + after.drho.get(cell as usize));
-                self.gaps.given[intake].add(weight, rate);
+                if after.layout.is_own(cell) {
+                    self.gaps.given[intake].add(weight, rate);
+                }
             }
         }
     }

@@ -402,7 +402,9 @@ impl<T: Real> PostCollision<'_, T> {
         let hit = |k: usize| hits.get(k).copied().unwrap_or(Hit::NONE);
         if self.flags.of(cell) == FROZEN {
             let gap = self.gaps.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
-            for (k, link) in run.iter().enumerate() {
+            // Others count the links of their cells.
+            let own = if self.layout.is_own(cell) { run } else { &[] };
+            for (k, link) in own.iter().enumerate() {
                 let link = link.now(body, part, hit(k));
                 let receded = recession(&link, wall_velocity(body, &link, hit(k)));
                 match gap {

@@ -9,8 +9,10 @@ use crate::bodies::body::Body;
 use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, C_F64, Q, dot, equilibria, mirrored, moments};
+use crate::lattice::exact_sum::ExactSum;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};
+use crate::solver::far_means::NearestFluid;
 
 /// The fluid as it is before a collision.
 #[derive(Clone, Copy)]
@@ -97,15 +99,11 @@ impl<T: Real> PreCollision<'_, T> {
         std::array::from_fn(|lane| Content { drho: drho[lane], j: j.map(|j| j[lane]) })
     }
 
-    /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density
-    /// `1 + alone` if there are none near. Returns what the cell now holds.
-    pub fn refill(&self, flags: &CellFlags, cell: u32, body: &Body, alone: f64) -> Content {
+    /// Fills a cell that `body` uncovered with a density `1 + drho`, see [`PreCollision::mean_near`]. Returns what the
+    /// cell now holds.
+    pub fn refill(&self, flags: &CellFlags, cell: u32, body: &Body, drho: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
-        // Inside a body that was removed fluid is as far away as its surface.
-        let farthest = body.radius.ceil() as i32 + 2;
-        let drho = (1..=farthest).find_map(|reach| self.mean_around(flags, cell, reach));
-        let (drho, u) = (drho.unwrap_or(alone), body.velocity_of(body.hit_near(arm), arm));
-        let mut h = equilibria(drho, u);
+        let mut h = equilibria(drho, body.velocity_of(body.hit_near(arm), arm));
         if let Some(of_donor) = self.donor(flags, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);
@@ -118,36 +116,45 @@ impl<T: Real> PreCollision<'_, T> {
         self.content(cell)
     }
 
-    /// Mean deviation of the density over fluid cells: lattice neighbours for `reach` 1, the cube
-    /// of cells up to `reach` away beyond. `None` if there is no
-    /// fluid.
-    fn mean_around(&self, flags: &CellFlags, cell: u32, reach: i32) -> Option<f64> {
+    /// Mean deviation of the density over the fluid cells among the lattice neighbours of a cell. `None` if there are
+    /// none: for those see `far_means`.
+    pub fn mean_near(&self, flags: &CellFlags, cell: u32) -> Option<f64> {
         let is_fluid = |neighbour: u32| neighbour != cell && flags.is_fluid(neighbour);
-        let (mut sum, mut count) = (0.0, 0);
-        if reach == 1 {
-            // All places first: memory is slower than anything here.
-            let mut places = [[0; Q]; Q];
-            for neighbour in (1..Q).filter_map(|i| self.layout.neighbour(cell, i)) {
-                if is_fluid(neighbour) {
-                    places[count] = self.layout.places.of_cell(self.parity, neighbour);
-                    places[count].iter().for_each(|&place| self.field.prefetch(place));
-                    count += 1;
-                }
-            }
-            sum = places[..count].iter().flatten().map(|&place| self.field.get(place)).sum();
-        } else {
-            let (at, side) = (self.layout.at(cell), 2 * reach + 1);
-            for k in 0..side * side * side {
-                let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
-                if let Some((neighbour, _)) =
-                    self.layout.near(at, d).filter(|near| is_fluid(near.0))
-                {
-                    sum += self.populations(neighbour).iter().sum::<f64>();
-                    count += 1;
-                }
+        let mut count = 0;
+        // All places first: memory is slower than anything here.
+        let mut places = [[0; Q]; Q];
+        for neighbour in (1..Q).filter_map(|i| self.layout.neighbour(cell, i)) {
+            if is_fluid(neighbour) {
+                places[count] = self.layout.places.of_cell(self.parity, neighbour);
+                places[count].iter().for_each(|&place| self.field.prefetch(place));
+                count += 1;
             }
         }
+        let sum: f64 = places[..count].iter().flatten().map(|&place| self.field.get(place)).sum();
         (count > 0).then(|| sum / count as f64)
+    }
+
+    /// The fluid that this rank counts in the outer layer of the cube of cells up to `reach` away from one at `at`, if
+    /// there is some.
+    pub fn fluid_at(&self, flags: &CellFlags, at: [i32; 3], reach: i32) -> Option<NearestFluid> {
+        let mut found = NearestFluid { reach, drho: ExactSum::default(), count: 0 };
+        let mut look = |d: [i32; 3]| {
+            if let Some((cell, _)) = self.layout.near(at, d)
+                && flags.is_fluid(cell)
+                && self.layout.is_own(cell)
+            {
+                found.drho.add(self.populations(cell).iter().sum());
+                found.count += 1;
+            }
+        };
+        for z in -reach..=reach {
+            for y in -reach..=reach {
+                let is_face = z.abs() == reach || y.abs() == reach;
+                let step = if is_face { 1 } else { 2 * reach as usize };
+                (-reach..=reach).step_by(step).for_each(|x| look([x, y, z]));
+            }
+        }
+        (found.count > 0).then_some(found)
     }
 
     /// Populations of the neighbour in the direction closest to `normal`, if it is fluid; mirrored,

@@ -178,7 +178,7 @@ pub struct Gaps {
     /// Forces on facets of a deformable surface, of gaps and of the fluid.
     pub felt: Vec<Felt>,
     /// Volume by which the body receded from each gap that the scene declares.
-    pub drawn: Vec<f64>,
+    pub drawn: Vec<BinnedSum>,
     /// Sums of the links that gave to each intake of those gaps.
     pub given: Vec<Given>,
 }
@@ -204,7 +204,7 @@ impl Gaps {
         Self {
             list: Vec::with_capacity(ROOM),
             felt: Vec::new(),
-            drawn: vec![0.0; declared],
+            drawn: vec![BinnedSum::default(); declared],
             given: vec![Given::default(); intakes],
         }
     }
@@ -213,7 +213,7 @@ impl Gaps {
     pub fn clear(&mut self) {
         self.list.clear();
         self.felt.clear();
-        self.drawn.fill(0.0);
+        self.drawn.fill(BinnedSum::default());
         self.given.fill(Given::default());
     }
 
@@ -244,7 +244,7 @@ impl Gaps {
 
     /// Counts a volume by which the body recedes from a gap that the scene declares.
     pub fn draw(&mut self, gap: u16, volume: f64) {
-        self.drawn[usize::from(gap)] += volume;
+        self.drawn[usize::from(gap)].add(volume);
     }
 
     /// Place of the gap to something.

@@ -89,6 +89,9 @@ impl<T: Real> PostCollision<'_, T> {
             let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
             let by = dot(link.slope.map(f64::from), part.drift_of(hit, arm));
             let width = link.width + by;
+            if !self.layout.is_own(link.cell) {
+                continue;
+            }
             if let Some(gap) = link.across.as_declared() {
                 let (dir, q) = (link.dir, link.q + by);
                 let now =
@@ -98,7 +101,7 @@ impl<T: Real> PostCollision<'_, T> {
                 gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));
             }
             // In contact there is no fluid to press.
-            if width <= CONTACT || !self.layout.is_own(link.cell) {
+            if width <= CONTACT {
                 continue;
             }
             let gap = gaps.add(link.across, arm, (link.dir.into(), link.q + by), hit.facet);

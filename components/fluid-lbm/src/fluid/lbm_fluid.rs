@@ -8,7 +8,6 @@ use crate::lattice::d3q19::LINKS;
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Real;
-use crate::ranks::cell_shares::check_scene;
 use crate::ranks::communicator::Communicator;
 use crate::ranks::rank_sums::Ranks;
 use crate::report::resolution::Resolution;
@@ -109,7 +108,7 @@ impl LbmFluid {
     /// the same calls in the same order, and each gets all of the results, the same bits as one rank alone.
     ///
     /// # Errors
-    /// As [`LbmFluid::with_variant`], what ranks cannot do yet, and more ranks than the lattice has blocks for.
+    /// As [`LbmFluid::with_variant`], and more ranks than the lattice has blocks for.
     ///
     /// # Panics
     /// As [`LbmFluid::with_variant`].
@@ -131,9 +130,6 @@ impl LbmFluid {
         ranks: Ranks,
     ) -> Result<Self, Vec<Problem>> {
         let (resolution, ground) = parameters.survey(scene)?;
-        if !ranks.is_alone() {
-            check_scene(scene)?;
-        }
         let line = line_of(parameters.precision);
         // The solver works by the lattice's axes: `own` is the scene turned to them.
         let (axes, own, ground) = turned(scene, &resolution, ground, line);

@@ -4,7 +4,7 @@ use crate::domain::parameters::Parameters;
 use crate::fluid::lbm_fluid::{line_of, turned};
 use crate::lattice::d3q19::Q;
 use crate::lattice::layout::CELLS_PER_BLOCK;
-use crate::ranks::cell_shares::{CellShares, check_scene, depth};
+use crate::ranks::cell_shares::{CellShares, depth};
 use tremie_messages::Problem;
 use tremie_messages::scene::Scene;
 
@@ -18,11 +18,10 @@ pub fn shares_of_ranks(
     ranks: usize,
 ) -> Result<Vec<String>, Vec<Problem>> {
     let (resolution, ground) = parameters.survey(scene)?;
-    check_scene(scene)?;
     let line = line_of(parameters.precision);
     let (_, _, ground) = turned(scene, &resolution, ground, line);
     let obstacles = &ground.voxels.obstacles;
-    let depth = depth(scene, obstacles, parameters.cell.0);
+    let depth = depth(scene, obstacles);
     let shares = CellShares::new(&ground.grid, obstacles, (ranks, depth))
         .map_err(|text| vec![Problem::of_parameter("launch", text)])?;
     let all = resolution.fluid_cells as f64;

@@ -28,10 +28,15 @@ use crate::bodies::body_list::Bodies;
 use crate::boundary::boundaries::Boundaries;
 use crate::boundary::gap_sinks::{GapSinks, NO_GAP, SinkProbe};
 use crate::boundary::post_collision::{PostCollision, density};
+use crate::gaps::pockets::FillEnd;
 use crate::lattice::cell_flags::{CellFlags, FLUID, FROZEN, VACATED, Vacated};
 use crate::lattice::cell_list::BoundaryId;
-use crate::lattice::layout::Layout;
+use crate::lattice::exact_sum::{ExactSum, values};
+use crate::lattice::layout::{Layout, items_in_blocks};
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
+use crate::ranks::whole_numbers::WholeNumbers;
+use std::ops::Range;
 use tremie_fluid_kit::cells::centres::Centres;
 use tremie_fluid_kit::probes::sampling::samples;
 use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
@@ -73,7 +78,7 @@ struct Declared {
     /// Probes that say the pressure.
     probes: Vec<Weighted>,
     /// Sum over the fluid cells next to frozen ones of the density minus 1, and their number.
-    around: [f64; 2],
+    around: [ExactSum; 2],
     /// Density minus 1 by the rule; by probes, when it acts (see [`LEAD`]).
     drho: f64,
     /// True if both of its sides are there; `is_new`: they came with the last measurement.
@@ -89,6 +94,8 @@ struct Weighted {
     weight: f64,
     /// Its cells and their weights.
     cells: Vec<(u32, f64)>,
+    /// Sum over those of them that are fluid of weight and density minus 1, and of the weights.
+    sums: [ExactSum; 2],
     /// Density minus 1 when it was last measured, if it was.
     last: Option<f64>,
 }
@@ -120,6 +127,8 @@ pub struct ModelledGaps {
     /// For each stored cell its gap, and its place among the candidates.
     of: Vec<u16>,
     place: Vec<u32>,
+    /// Candidates that are one item of work: of one block.
+    items: Vec<Range<usize>>,
     /// Of each item, the cells that freeze or thaw in this step, with their gaps.
     turning: Vec<Vec<(u32, u16)>>,
     /// Frozen cells of no gap.
@@ -128,7 +137,7 @@ pub struct ModelledGaps {
     /// Room for the cells that may have become pockets, and whether they have.
     pub seeds: Vec<u32>,
     /// See there.
-    pub closed: Vec<bool>,
+    pub closed: Vec<FillEnd>,
     /// Impulse of the last step on frozen cells.
     pub impulse: [f64; 3],
     centres: Centres,
@@ -153,6 +162,7 @@ impl ModelledGaps {
             candidates: Vec::new(),
             of: vec![NO_GAP; count],
             place: vec![u32::MAX; count],
+            items: Vec::new(),
             turning: Vec::new(),
             pockets: Vec::with_capacity(count / 16),
             mouths: Mouths::with_room(count),
@@ -182,8 +192,9 @@ impl ModelledGaps {
             own.of[candidate.cell as usize] = candidate.gap;
             own.place[candidate.cell as usize] = place;
         }
-        let items = own.candidates.chunks(CELLS_PER_ITEM);
-        own.turning = items.map(|item| Vec::with_capacity(item.len())).collect();
+        let cells: Vec<u32> = own.candidates.iter().map(|candidate| candidate.cell).collect();
+        own.items = items_in_blocks(&cells, CELLS_PER_ITEM).collect();
+        own.turning = own.items.iter().map(|item| Vec::with_capacity(item.len())).collect();
         own
     }
 
@@ -192,15 +203,22 @@ impl ModelledGaps {
     ///
     /// # Errors
     /// A state of other gaps.
-    pub fn exchange(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
+    pub fn exchange(
+        &mut self,
+        state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
+    ) -> Result<(), StateError> {
         state.value("are_measured", &mut self.is_measured)?;
         for (k, gap) in self.gaps.iter_mut().enumerate() {
             state.within(&format!("gap{k}"), |state| gap.exchange(state))?;
         }
-        state.list("pockets", &mut self.pockets)?;
-        let are_cells = self.pockets.last().is_none_or(|&last| (last as usize) < self.of.len());
-        if !(are_cells && self.pockets.is_sorted()) {
+        let mut pockets = numbers.kept(&self.pockets);
+        state.shared_list("pockets", &mut pockets)?;
+        if !pockets.is_sorted() {
             return state.unfit("the pockets of the state are none of this lattice");
+        }
+        if state.restores() {
+            self.pockets = numbers.stored(&pockets);
         }
         Ok(())
     }
@@ -306,8 +324,7 @@ impl ModelledGaps {
 
     /// The candidates of an item of work.
     fn item(&self, number: usize) -> &[Candidate] {
-        let rest = &self.candidates[number * CELLS_PER_ITEM..];
-        &rest[..rest.len().min(CELLS_PER_ITEM)]
+        &self.candidates[self.items[number].clone()]
     }
 
     /// Freezes and thaws cells, between the bodies' claims and [`CellFlags::settle`].
@@ -344,19 +361,23 @@ impl ModelledGaps {
     }
 
     /// Reflects the links into frozen cells half-way, and finds the pressure by probes.
-    pub fn reflect<T: Real>(&mut self, after: &PostCollision<T>) {
+    pub fn reflect<T: Real>(&mut self, after: &PostCollision<T>, ranks: &mut Ranks) {
+        if self.is_empty() {
+            return;
+        }
+        probes_of(&mut self.gaps).for_each(|probe| probe.look(after));
+        ranks.add_up(probes_of(&mut self.gaps).flat_map(|probe| &mut probe.sums));
         for gap in &mut self.gaps {
-            gap.around = [0.0; 2];
             let (mut sum, mut weights) = (0.0, 0.0);
             for probe in &mut gap.probes {
-                if let Some(drho) = probe.measure(after) {
+                if let Some(drho) = probe.measure() {
                     sum += probe.weight * drho;
                     weights += probe.weight;
                 }
             }
             gap.drho = if weights > 0.0 { sum / weights } else { 0.0 };
         }
-        self.reflect_mouths(after);
+        self.reflect_mouths(after, ranks);
     }
 
     /// The intakes of gaps.
@@ -371,7 +392,8 @@ impl ModelledGaps {
         for (k, gap) in (0..).zip(&mut self.gaps) {
             if gap.rule == GapRule::Nearest {
                 let [drho, cells] = found(k);
-                let (drho, cells) = (drho + gap.around[0], cells + gap.around[1]);
+                let around = values(&gap.around);
+                let (drho, cells) = (drho + around[0], cells + around[1]);
                 gap.drho = if cells > 0.0 { drho / cells } else { 0.0 };
             }
         }
@@ -379,14 +401,20 @@ impl ModelledGaps {
 }
 
 impl Weighted {
+    /// Looks at those of its cells that this rank counts.
+    fn look<T: Real>(&mut self, after: &PostCollision<T>) {
+        self.sums = Default::default();
+        let counts = |cell: u32| after.flags.is_fluid(cell) && after.layout.is_own(cell);
+        for &(cell, part) in self.cells.iter().filter(|(cell, _)| counts(*cell)) {
+            self.sums[0].add(part * (density(&after.post(cell)) - 1.0));
+            self.sums[1].add(part);
+        }
+    }
+
     /// Density minus 1 at the time when it acts, see [`LEAD`]; what it was where no cell of the
     /// probe is fluid. `None` before it was measured.
-    fn measure<T: Real>(&mut self, after: &PostCollision<T>) -> Option<f64> {
-        let (mut drho, mut all) = (0.0, 0.0);
-        for &(cell, part) in self.cells.iter().filter(|(cell, _)| after.flags.is_fluid(*cell)) {
-            drho += part * (density(&after.post(cell)) - 1.0);
-            all += part;
-        }
+    fn measure(&mut self) -> Option<f64> {
+        let [drho, all] = values(&self.sums);
         if all == 0.0 {
             return self.last;
         }
@@ -413,6 +441,11 @@ impl Declared {
             _ => None,
         })
     }
+}
+
+/// The probes that say the pressures of gaps.
+fn probes_of(gaps: &mut [Declared]) -> impl Iterator<Item = &mut Weighted> {
+    gaps.iter_mut().flat_map(|gap| &mut gap.probes)
 }
 
 /// The body that a part of the scene is.
@@ -442,7 +475,13 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Boundaries, layout: &Layout
         let number = scene.probes.iter().position(|probe| probe.name == w.probe)?;
         let cells = samples(&layout.grid, &centres, &scene.probes[number].shape).into_iter();
         let cells = cells.filter_map(|(at, part)| Some((layout.cell(at)?, part)));
-        Some(Weighted { number, weight: w.weight, cells: cells.collect(), last: None })
+        Some(Weighted {
+            number,
+            weight: w.weight,
+            cells: cells.collect(),
+            sums: Default::default(),
+            last: None,
+        })
     });
     Declared {
         sides: [side(&gap.between[0]), side(&gap.between[1])],
@@ -452,7 +491,7 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Boundaries, layout: &Layout
         region: gap.region,
         rule: gap.pressure.clone(),
         probes: probes.collect(),
-        around: [0.0; 2],
+        around: Default::default(),
         drho: 0.0,
         is_there: false,
         is_new: false,

@@ -32,6 +32,7 @@ use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::{ExchangeTally, MomentumExchange};
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use tremie_fluid_kit::cells::grid::{Reach, Side};
 use tremie_team::Team;
 
@@ -48,6 +49,16 @@ enum Whose {
     Body(u32),
     /// A fixture.
     Fixture(u16),
+}
+
+impl Whose {
+    /// As a number, which is the same on all ranks.
+    fn number(self) -> u32 {
+        match self {
+            Self::Fixture(number) => number.into(),
+            Self::Body(handle) => 1 << 31 | handle,
+        }
+    }
 }
 
 /// A link that slips.
@@ -86,6 +97,8 @@ struct Motion {
 /// Links, and by how much slipping changes what their walls exchanged.
 #[derive(Clone, Debug, Default)]
 struct SlipItem {
+    /// True if this rank counts its cells.
+    is_own: bool,
     links: Vec<SlipLink>,
     /// Those of the step before.
     before: Vec<SlipLink>,
@@ -107,6 +120,8 @@ pub struct SpecularWalls {
     stale: Vec<u32>,
     /// True if links were found at all.
     is_found: bool,
+    /// What slipping added to the exchange of each wall in the last step, by the wall's number; of all ranks.
+    totals: Vec<(u32, ExchangeTally)>,
 }
 
 impl SpecularWalls {
@@ -117,7 +132,10 @@ impl SpecularWalls {
         for cell in gaps.items().enumerate().flat_map(|(item, _)| gaps.cells_of(item)) {
             around(layout, cell).for_each(|near| matters[near as usize] = true);
         }
-        let item = |cells: usize| SlipItem {
+        let is_own =
+            |item: usize| gaps.cells_of(item).next().is_some_and(|cell| layout.is_own(cell));
+        let item = |(number, cells): (usize, usize)| SlipItem {
+            is_own: is_own(number),
             links: Vec::with_capacity(cells * LINKS_PER_CELL),
             before: Vec::with_capacity(cells * LINKS_PER_CELL),
             motions: Vec::with_capacity(cells * LINKS_PER_CELL),
@@ -125,11 +143,12 @@ impl SpecularWalls {
             felt: Vec::with_capacity(cells * LINKS_PER_CELL),
         };
         Self {
-            items: gaps.items().map(item).collect(),
+            items: gaps.items().enumerate().map(item).collect(),
             matters,
             is_stale: vec![false; cells],
             stale: Vec::with_capacity(cells),
             is_found: false,
+            totals: Vec::new(),
         }
     }
 
@@ -231,7 +250,7 @@ impl SpecularWalls {
         &mut self,
         after: &PostCollision<T>,
         references: &[[f64; 3]],
-        team: &mut Team,
+        (team, ranks): (&mut Team, &mut Ranks),
     ) {
         team.for_each(&mut self.items, |_, item| {
             item.exchanges.clear();
@@ -242,6 +261,9 @@ impl SpecularWalls {
                 // `set` returns the number as stored, so that the balance counts what the field
                 // holds.
                 let gain = after.field.set(place, link.value) - old;
+                if !item.is_own {
+                    continue;
+                }
                 let known = item.exchanges.iter().position(|(whose, _)| *whose == link.whose);
                 let known = known.unwrap_or_else(|| {
                     item.exchanges.push((link.whose, MomentumExchange::default()));
@@ -268,6 +290,23 @@ impl SpecularWalls {
                 exchange.mass += gain;
             }
         });
+        self.add_up(ranks);
+    }
+
+    /// Adds up what slipping changed.
+    fn add_up(&mut self, ranks: &mut Ranks) {
+        let Self { items, totals, .. } = self;
+        totals.clear();
+        for (whose, exchange) in items.iter().flat_map(|item| &item.exchanges) {
+            let key = whose.number();
+            let place = totals.binary_search_by_key(&key, |total| total.0);
+            let place = place.unwrap_or_else(|place| {
+                totals.insert(place, (key, ExchangeTally::default()));
+                place
+            });
+            totals[place].1.add(exchange);
+        }
+        ranks.join_keyed(totals);
     }
 
     /// Exchange that slipping adds to a body's.
@@ -287,10 +326,8 @@ impl SpecularWalls {
     }
 
     fn on(&self, wanted: Whose) -> MomentumExchange {
-        let all = self.items.iter().flat_map(|item| &item.exchanges);
-        let mut sum = ExchangeTally::default();
-        all.filter(|(whose, _)| *whose == wanted).for_each(|(_, own)| sum.add(own));
-        sum.value()
+        let found = self.totals.binary_search_by_key(&wanted.number(), |total| total.0);
+        found.map_or_else(|_| MomentumExchange::default(), |place| self.totals[place].1.value())
     }
 }
 

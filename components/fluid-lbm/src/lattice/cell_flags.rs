@@ -376,6 +376,16 @@ impl CellFlags {
         self.vacated.push(vacated);
     }
 
+    /// Takes over from the rank that counts a cell whether that is cut off from the fluid.
+    #[inline]
+    pub fn correct(&mut self, cell: u32, is_isolated: bool) {
+        let owner = if is_isolated { ISOLATED } else { FLUID };
+        let was = self.of(cell);
+        if was != owner && matches!(was, FLUID | ISOLATED) {
+            self.set(cell as usize, owner);
+        }
+    }
+
     /// Forgets released cells that froze.
     pub fn forget_frozen_vacated(&mut self) {
         let mut vacated = std::mem::take(&mut self.vacated);

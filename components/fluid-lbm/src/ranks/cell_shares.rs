@@ -12,44 +12,24 @@ use crate::lattice::layout::{CELLS_PER_BLOCK, block_of};
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::cells::obstacles::Obstacles;
-use tremie_messages::Problem;
 use tremie_messages::scene::{BodySet, Face, Motion, Part, Placement, Scene};
 
 /// Layers of copies around a rank's cells: so far a step looks. What streams comes from the next cell. A cell that a
 /// body uncovers takes from its neighbours before that; and an edge that cuts a link between two cells looks behind
-/// either. A body that vanishes leaves cells as deep as it was.
-pub fn depth(scene: &Scene, obstacles: &Obstacles, cell: f64) -> i32 {
+/// either.
+pub fn depth(scene: &Scene, obstacles: &Obstacles) -> i32 {
+    // Surfaces that deform move, too; a gap opens and shuts between parts that do.
     let moves = |part: &Part| !matches!(part.motion, Motion::Fixed);
     let is_polyhedra = |set: &BodySet| matches!(set.placement, Placement::Polyhedra(_));
-    let vanishing = (largest_to_vanish(scene) / cell).ceil() as i32;
-    if scene.parts.iter().any(moves) || scene.bodies.iter().any(is_polyhedra) || vanishing > 0 {
-        return 3 + vanishing;
+    let deforms = !scene.surfaces.is_empty();
+    if deforms || scene.parts.iter().any(moves) || scene.bodies.iter().any(is_polyhedra) {
+        return 3;
     }
     let is_open =
         |face: &Face| !matches!(face, Face::Periodic | Face::Wall { .. } | Face::Symmetry);
     let opens = scene.domain.faces.iter().flatten().any(is_open);
     let looks_on = opens || !scene.bodies.is_empty() || !obstacles.sheets.is_empty();
     if looks_on { 2 } else { 1 }
-}
-
-/// Refuses scenes with what looks farther than to neighbours, so that shares of a lattice would not know of it.
-///
-/// # Errors
-/// A problem with each.
-pub fn check_scene(scene: &Scene) -> Result<(), Vec<Problem>> {
-    let help = "run this scene with fluid-lbm, on one machine";
-    let problem = |at: &str, what: &str| {
-        Problem::new(at, format!("a lattice that several ranks compute has no {what} yet"))
-            .help(help)
-    };
-    let mut problems = Vec::new();
-    if !scene.surfaces.is_empty() {
-        problems.push(problem("scene.surfaces[0]", "surfaces that deform"));
-    }
-    if !scene.gaps.is_empty() {
-        problems.push(problem("scene.gaps[0]", "declared gaps"));
-    }
-    if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
 /// The blocks of a lattice, shared out among ranks.
@@ -192,16 +172,6 @@ impl CellShares {
     pub fn ranks(&self) -> usize {
         self.ranks
     }
-}
-
-/// Radius of the largest body that may vanish in a scene [m]; 0 where all stay.
-fn largest_to_vanish(scene: &Scene) -> f64 {
-    if scene.outlets.is_empty() {
-        return 0.0;
-    }
-    let of_sets = scene.bodies.iter().map(|set| set.placement.sizes().extremes()[1]);
-    let of_inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[1]);
-    0.5 * of_sets.chain(of_inlets).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

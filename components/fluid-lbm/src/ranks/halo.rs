@@ -2,9 +2,11 @@
 //!
 //! Where a step looks no farther than to the next cell (a depth of 1), the copies keep themselves up to date but for what
 //! streams to them from cells that the rank does not hold: some five populations of a cell in the outermost layer. Those
-//! are sent, and all of the copies at walls. Else all populations of all copies are.
+//! are sent, and all of the copies at walls. Else all populations of all copies are, and which of the cells are cut off
+//! from the fluid: from the last copies their ranks do not see all ways.
 
 use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::{CellFlags, ISOLATED};
 use crate::lattice::cell_list::LinkEnd;
 use crate::lattice::d3q19::{OPPOSITE, Q};
 use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
@@ -21,6 +23,8 @@ struct Route {
     cells: Vec<Range<u32>>,
     /// Places of populations that go one by one, when the next collision is even and when it is odd.
     single: [Vec<u32>; 2],
+    /// True if it is told which of the cells are cut off.
+    tells_isolated: bool,
 }
 
 /// What a rank sends to others and takes from them in each step.
@@ -52,12 +56,14 @@ impl Halo {
                     _ => cells.push(first..end),
                 }
             }
-            Route { cells, single: Default::default() }
+            Route { cells, single: Default::default(), tells_isolated: shares.depth() > 1 }
         };
         let mut own = Self::default();
         for other in (0..shares.ranks()).filter(|&other| other != rank) {
-            let parcel =
-                |route: &Route| Parcel { rank: other, bytes: vec![0; route.numbers() * bytes] };
+            let parcel = |route: &Route| Parcel {
+                rank: other,
+                bytes: vec![0; route.numbers() * bytes + route.isolated_bytes()],
+            };
             let mut sends = runs(&mut shares.copies(other, rank));
             let mut receives = runs(&mut shares.copies(rank, other));
             if shares.depth() == 1 {
@@ -82,7 +88,7 @@ impl Halo {
     pub fn begin<T: Real>(
         &mut self,
         layout: &Layout,
-        field: &Field<T>,
+        (field, flags): (&Field<T>, &CellFlags),
         parity: Parity,
         way: &mut dyn Communicator,
     ) {
@@ -97,6 +103,10 @@ impl Halo {
                 field.read_run(place, own);
                 rest = others;
             });
+            for (cells, byte) in send.eights().zip(rest) {
+                let isolated = cells.map(|cell| u8::from(flags.of(cell) == ISOLATED));
+                *byte = isolated.rev().fold(0, |bits, is_isolated| bits << 1 | is_isolated);
+            }
         }
         way.begin_swap(&self.sent, &mut self.received);
         self.is_under_way = true;
@@ -106,7 +116,7 @@ impl Halo {
     pub fn end<T: Real>(
         &mut self,
         layout: &Layout,
-        field: &Field<T>,
+        (field, flags): (&Field<T>, &mut CellFlags),
         parity: Parity,
         way: &mut dyn Communicator,
     ) {
@@ -125,6 +135,11 @@ impl Halo {
                 field.write_run(place, own);
                 rest = others;
             });
+            for (cells, byte) in receive.eights().zip(rest) {
+                for (k, cell) in cells.enumerate() {
+                    flags.correct(cell, byte >> k & 1 == 1);
+                }
+            }
         }
     }
 
@@ -138,6 +153,20 @@ impl Route {
     /// Numbers that go.
     fn numbers(&self) -> usize {
         self.cells.iter().map(Range::len).sum::<usize>() * Q + self.single[0].len()
+    }
+
+    /// Its cells, eight at a time.
+    fn eights(&self) -> impl Iterator<Item = Range<u32>> {
+        let cells = self.cells.iter().filter(|_| self.tells_isolated);
+        cells.flat_map(|cells| {
+            let end = cells.end;
+            cells.clone().step_by(8).map(move |first| first..(first + 8).min(end))
+        })
+    }
+
+    /// Bytes that say which of them are cut off.
+    fn isolated_bytes(&self) -> usize {
+        self.eights().count()
     }
 
     /// Bytes of those that go one by one.

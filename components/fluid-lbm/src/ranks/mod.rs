@@ -6,3 +6,4 @@ pub mod communicator;
 pub mod halo;
 pub mod rank_sums;
 pub mod whole_numbers;
+pub mod whole_ways;

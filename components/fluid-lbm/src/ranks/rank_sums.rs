@@ -70,18 +70,63 @@ impl Ranks {
 
     /// The same for many of which most ranks have nothing, as those of bodies.
     pub fn join_few(&mut self, tallies: &mut [ExchangeTally]) {
-        let Some(way) = self.way() else { return };
+        if self.is_alone() {
+            return;
+        }
         let mut bytes = Vec::new();
         for (place, tally) in (0..).zip(&*tallies) {
             tally.put_bytes(place, &mut bytes);
         }
-        let mut all = way.gather(&bytes).concat();
-        way.broadcast(&mut all);
+        let all = self.gather_to_all(&bytes);
         tallies.fill(ExchangeTally::default());
         let mut rest = &all[..];
         while let Some((place, tally)) = ExchangeTally::take_bytes(&mut rest) {
             if let Some(own) = tallies.get_mut(place as usize) {
                 *own += &tally;
+            }
+        }
+    }
+
+    /// The same for tallies with keys, in the order of the keys, of which ranks may have different ones.
+    pub fn join_keyed(&mut self, tallies: &mut Vec<(u32, ExchangeTally)>) {
+        if self.is_alone() {
+            return;
+        }
+        let mut bytes = Vec::new();
+        tallies.iter().for_each(|(key, tally)| tally.put_bytes(*key, &mut bytes));
+        let all = self.gather_to_all(&bytes);
+        tallies.clear();
+        let mut rest = &all[..];
+        while let Some((key, tally)) = ExchangeTally::take_bytes(&mut rest) {
+            match tallies.binary_search_by_key(&key, |own| own.0) {
+                Ok(place) => tallies[place].1 += &tally,
+                Err(place) => tallies.insert(place, (key, tally)),
+            }
+        }
+    }
+
+    /// Makes rows of sums of this rank, most of which are zero, those of all.
+    pub fn join_rows<const N: usize>(&mut self, rows: &mut [[ExactSum; N]]) {
+        if self.is_alone() {
+            return;
+        }
+        let mut bytes = Vec::new();
+        let own = (0_u32..).zip(&*rows).filter(|(_, row)| **row != [ExactSum::default(); N]);
+        for (place, row) in own {
+            bytes.extend(place.to_le_bytes());
+            for limb in row.iter().flat_map(ExactSum::limbs) {
+                bytes.extend(limb.to_le_bytes());
+            }
+        }
+        let all = self.gather_to_all(&bytes);
+        rows.fill([ExactSum::default(); N]);
+        let limb = |bytes: &[u8]| i64::from_le_bytes(std::array::from_fn(|k| bytes[k]));
+        for told in all.chunks_exact(4 + N * LIMBS * 8) {
+            let (place, limbs) = told.split_at(4);
+            let place = u32::from_le_bytes(std::array::from_fn(|k| place[k]));
+            let Some(row) = rows.get_mut(place as usize) else { continue };
+            for (sum, limbs) in row.iter_mut().zip(limbs.chunks_exact(LIMBS * 8)) {
+                *sum += ExactSum::from_limbs(std::array::from_fn(|k| limb(&limbs[8 * k..])));
             }
         }
     }
@@ -95,13 +140,22 @@ impl Ranks {
 
     /// Numbers of all ranks, in the order of the ranks.
     pub fn collect(&self, numbers: &[i64]) -> Vec<i64> {
-        let Some(way) = &self.way else { return numbers.to_vec() };
-        let mut way = way.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.is_alone() {
+            return numbers.to_vec();
+        }
         let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
-        let mut all = way.gather(&bytes).concat();
-        way.broadcast(&mut all);
+        let all = self.gather_to_all(&bytes);
         let number = |bytes: &[u8]| i64::from_le_bytes(std::array::from_fn(|k| bytes[k]));
         all.chunks_exact(8).map(number).collect()
+    }
+
+    /// Bytes of all ranks, one after the other in the order of the ranks.
+    pub fn gather_to_all(&self, bytes: &[u8]) -> Vec<u8> {
+        let Some(way) = &self.way else { return bytes.to_vec() };
+        let mut way = way.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut all = way.gather(bytes).concat();
+        way.broadcast(&mut all);
+        all
     }
 
     /// Bytes of all ranks, in the order of the ranks, on rank 0; nothing on others.

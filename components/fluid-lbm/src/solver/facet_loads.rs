@@ -6,6 +6,7 @@ use crate::bodies::deformable_shape::DeformableShape;
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
 use crate::boundary::post_collision::LinkItem;
 use crate::lattice::d3q19::{cross, dot};
+use crate::lattice::exact_sum::{ExactSum, values};
 use crate::lattice::ledger::{Ledger, add_scaled};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
@@ -170,9 +171,8 @@ pub fn load_facets<T: Real>(
     }
 }
 
-/// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread
-/// looks at all of it and takes what is of its own facets: so each facet's sum has the order of
-/// what it felt.
+/// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping, on all ranks. Each thread
+/// looks at all of it and takes what is of its own facets.
 fn sum_felt(
     shape: &mut DeformableShape,
     body: &Body,
@@ -181,15 +181,15 @@ fn sum_felt(
     exec: &mut Execution,
 ) {
     let (in_gaps, felt) = (&gaps.in_gaps[body.items.clone()], &links[body.items.clone()]);
-    let length = shape.loads.len().div_ceil(exec.team.threads()).max(1);
-    let pieces = Cut::every(&mut shape.loads, length);
-    exec.team.for_pieces(pieces, |piece, loads: &mut [[[f64; 3]; 2]]| {
-        loads.fill([[0.0; 3]; 2]);
+    let length = shape.felt.len().div_ceil(exec.team.threads()).max(1);
+    let pieces = Cut::every(&mut shape.felt, length);
+    exec.team.for_pieces(pieces, |piece, sums: &mut [[ExactSum; 6]]| {
+        sums.fill(Default::default());
         let first = piece * length;
         let mut give = |facet: usize, force: [f64; 3], at: [f64; 3]| {
-            if let Some(load) = loads.get_mut(facet.wrapping_sub(first)) {
-                add_scaled(&mut load[0], force, 1.0);
-                add_scaled(&mut load[1], cross(at, force), 1.0);
+            if let Some(sums) = sums.get_mut(facet.wrapping_sub(first)) {
+                let load = force.into_iter().chain(cross(at, force));
+                sums.iter_mut().zip(load).for_each(|(sum, x)| sum.add(x));
             }
         };
         each_felt(felt, in_gaps, &mut give);
@@ -197,6 +197,11 @@ fn sum_felt(
             give(felt.facet as usize, felt.force, felt.at);
         }
     });
+    exec.ranks.join_rows(&mut shape.felt);
+    for (load, sums) in shape.loads.iter_mut().zip(&shape.felt) {
+        let [fx, fy, fz, tx, ty, tz] = values(sums);
+        *load = [[fx, fy, fz], [tx, ty, tz]];
+    }
 }
 
 /// See [`crate::LbmFluid::surface_loads`].

@@ -11,10 +11,12 @@ use crate::lattice::d3q19::{CS2, Q};
 use crate::lattice::layout::Layout;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
+use crate::ranks::whole_numbers::WholeNumbers;
 use crate::solver::execution::Execution;
 use crate::solver::gap_pressure::{BodyGaps, ROOM};
 use crate::solver::lattice_state::LatticeState;
 use tremie_fluid_kit::cells::centres::Centres;
+use tremie_fluid_kit::cells::obstacles::Obstacles;
 use tremie_messages::scene::Scene;
 use tremie_state::{StateError, StateExchange};
 
@@ -86,25 +88,27 @@ impl GapModel {
     pub fn exchange(
         &mut self,
         state: &mut StateExchange<'_>,
+        numbers: &WholeNumbers,
         cells: usize,
     ) -> Result<(), StateError> {
         if self.modelled.is_empty() {
             return Ok(());
         }
-        self.modelled.exchange(state)?;
-        self.tables.sinks.exchange(state, cells)
+        self.modelled.exchange(state, numbers)?;
+        self.tables.sinks.exchange(state, numbers, cells)
     }
 
     /// Finds what follows from a state: thickness, and then as [`GapModel::find_openings`].
     pub fn resume<T: Real>(
         &mut self,
         lattice: &LatticeState<T>,
+        obstacles: &Obstacles,
         bodies: &Bodies,
         exec: &mut Execution,
     ) {
         if !self.modelled.is_empty() && !self.modelled.is_fresh() {
             self.modelled.measure(&lattice.layout, bodies, &mut exec.team);
-            self.find_openings(lattice, bodies, exec);
+            self.find_openings(lattice, obstacles, bodies, exec);
         }
     }
 
@@ -136,7 +140,7 @@ impl GapModel {
         bodies: &Bodies,
         exec: &mut Execution,
     ) {
-        let LatticeState { layout, flags, .. } = lattice;
+        let LatticeState { layout, flags, numbers, .. } = lattice;
         if self.modelled.is_empty() {
             return flags.settle(layout);
         }
@@ -145,20 +149,22 @@ impl GapModel {
         }
         self.modelled.freeze(flags, bodies, &mut exec.team);
         flags.settle(layout);
-        self.modelled.close_pockets(flags, layout, &mut exec.team);
+        self.modelled.close_pockets(flags, layout, numbers, (&mut exec.team, &mut exec.ranks));
     }
 
     /// Finds what follows from which cells are frozen: openings, sinks, links that slip.
     pub fn find_openings<T: Real>(
         &mut self,
         lattice: &LatticeState<T>,
+        obstacles: &Obstacles,
         bodies: &Bodies,
         exec: &mut Execution,
     ) {
-        let LatticeState { layout, flags, .. } = lattice;
+        let LatticeState { layout, flags, numbers, .. } = lattice;
         if !self.modelled.is_empty() {
             self.modelled.find_mouths(flags, layout);
-            self.tables.sinks.look(self.modelled.by_cell(), flags, layout);
+            let whole = (numbers, obstacles, &exec.ranks);
+            self.tables.sinks.look(self.modelled.by_cell(), flags, layout, whole);
         }
         if self.tables.slips {
             self.slip.find(&self.modelled, bodies, flags, layout, &mut exec.team);

@@ -45,7 +45,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         state.within("walls", |state| walls.exchange(state))?;
         state.within("faces", |state| faces.exchange(state, numbers))?;
         let cells = lattice.layout.cells.len();
-        state.within("gaps", |state| gaps.exchange(state, cells))?;
+        state.within("gaps", |state| gaps.exchange(state, numbers, cells))?;
         state.within("pinched", |state| self.pinched.exchange(state, numbers))?;
         state.within("budget", |state| self.budget.exchange(state, &lattice.units))?;
         state.within("probes", |state| self.probes.exchange(state))
@@ -76,11 +76,12 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if self.bodies.list.had_any() {
             self.list_items();
         }
-        let Self { lattice, collision, bodies, faces, gaps, exec, .. } = self;
+        let Self { lattice, collision, bodies, walls, faces, gaps, exec, .. } = self;
         lattice.recount(&mut exec.ranks);
         faces.count_entering(&mut exec.ranks);
         bodies.list.note_sharing(lattice.flags.sharing());
-        gaps.resume(lattice, &bodies.list, exec);
+        let obstacles = &walls.conditions.ground().voxels.obstacles;
+        gaps.resume(lattice, obstacles, &bodies.list, exec);
         bodies.find_links(lattice, gaps, &collision.requests, false, exec);
     }
 }

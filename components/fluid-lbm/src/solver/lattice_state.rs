@@ -82,9 +82,9 @@ impl<T: Real> LatticeState<T> {
     /// Brings the copies of other ranks' cells up to date.
     pub fn refresh_copies(&mut self, ranks: &mut Ranks) {
         let Some(way) = ranks.way() else { return };
-        let Self { layout, field, parity, halo, .. } = self;
-        halo.begin(layout, field, *parity, way);
-        halo.end(layout, field, *parity, way);
+        let Self { layout, field, flags, parity, halo, .. } = self;
+        halo.begin(layout, (field, flags), *parity, way);
+        halo.end(layout, (field, flags), *parity, way);
     }
 
     /// Counts cells at the end of a step.

@@ -22,6 +22,7 @@ use crate::solver::deformable_surfaces::AwaitedSurfaces;
 use crate::solver::diagnostics::{Diagnostics, Extreme};
 use crate::solver::execution::Execution;
 use crate::solver::facet_loads;
+use crate::solver::gap_flows::GapFlows;
 use crate::solver::gap_model::GapModel;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::loads;
@@ -98,7 +99,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let depth = depth(scene, &ground.voxels.obstacles, parameters.cell.0);
+        let depth = depth(scene, &ground.voxels.obstacles);
         let shares = shares_of(&ground, &ranks, depth)?;
         let mut exec = Execution::new(threads, variant, ranks)?;
         let units = Units {
@@ -267,7 +268,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
 
     /// Takes the bodies to the end of the step: cells leave the fluid and join it, links are found.
     fn update_cover(&mut self, states: &[BodyState]) {
-        let Self { lattice, collision, bodies, gaps, budget, exec, .. } = self;
+        let Self { lattice, collision, bodies, walls, gaps, budget, exec, .. } = self;
         lattice.flags.begin();
         let moved = bodies.list.take(states, &lattice.units, &lattice.layout.grid);
         if !moved && !gaps.modelled.is_fresh() {
@@ -282,7 +283,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         lattice.flags.admit();
         self.pinched.find_anew(lattice);
         lattice.note_changes();
-        gaps.find_openings(lattice, &bodies.list, exec);
+        let obstacles = &walls.conditions.ground().voxels.obstacles;
+        gaps.find_openings(lattice, obstacles, &bodies.list, exec);
         lattice.flags.forget_changes();
         if outgrown {
             self.list_items();
@@ -303,12 +305,13 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if tables.slips {
             slip.read(&after, &bodies.list, &mut exec.team);
         }
-        modelled.reflect(&after);
+        modelled.reflect(&after, &mut exec.ranks);
         bodies.bounce_back(&after, exec);
         walls.prescribe(lattice.time(), lattice.units.time_step);
         walls.bounce_back(&after, exec);
         if tables.slips {
-            slip.write(&after, &walls.conditions.references, &mut exec.team);
+            let with = (&mut exec.team, &mut exec.ranks);
+            slip.write(&after, &walls.conditions.references, with);
         }
         if any_cut {
             bodies.write_cuts(&after);
@@ -451,6 +454,7 @@ fn bodies_of(
         exchanges: Vec::new(),
         of_bodies: Vec::new(),
         total: MomentumExchange::default(),
+        gap_flows: GapFlows::default(),
         refills: Vec::new(),
         keeps_mass: parameters.refill == Refill::Mass,
         average_force: parameters.average_force,

@@ -66,27 +66,22 @@ pub fn credit(bodies: &mut MovingBodies, handle: u32, drho: f64) {
 /// Settles the accounts of bodies at the end of a step in a fluid of a mean density; returns what
 /// they owe.
 pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) -> f64 {
-    let MovingBodies { list, links, of_bodies, keeps_mass, .. } = bodies;
+    let MovingBodies { list, gap_flows, of_bodies, keeps_mass, .. } = bodies;
     if !*keeps_mass {
         return 0.0;
     }
-    let mut owed = 0.0;
-    let parts = list.living.iter().filter(|body| body.is_part());
-    let of_parts = parts.flat_map(|body| &links[body.items.clone()]);
-    let mut left = gaps.tables.sinks.receive(of_parts);
+    let (mut owed, mut parts) = (0.0, 0..);
+    let mut left = gaps.tables.sinks.receive(gap_flows.given());
     for (body, exchange) in list.living.iter_mut().zip(of_bodies) {
         let (mut all, mut taken) = (*exchange, 0.0);
         // Grains draw nothing in, and give nothing.
-        let items = if body.is_part() { body.items.clone() } else { 0..0 };
-        for item in &links[items] {
+        if let Some(part) = body.is_part().then(|| parts.next()).flatten() {
             // The body does not owe the mass that links gave to intakes.
-            all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
-            for (gap, drawn) in (0..).zip(&item.gaps.drawn) {
+            all.mass += gap_flows.given_by(part);
+            for (gap, drawn) in (0..).zip(gap_flows.drawn(part)) {
                 all.drawn += drawn;
                 taken += gaps.tables.sinks.draw(gap, mean * drawn);
             }
-        }
-        if body.is_part() {
             // A body has to give the mass that intakes cannot give any more.
             taken -= std::mem::take(&mut left);
             all.mass += gaps.slip_on_body(body.handle).map_or(0.0, |slip| slip.mass);

@@ -7,6 +7,8 @@ pub mod deformable_surfaces;
 pub mod diagnostics;
 pub mod execution;
 pub mod facet_loads;
+pub mod far_means;
+pub mod gap_flows;
 pub mod gap_model;
 pub mod gap_pressure;
 mod kept_state;

@@ -8,6 +8,7 @@ use crate::lattice::populations::Real;
 use crate::ranks::rank_sums::Ranks;
 use crate::solver::deformable_surfaces::AwaitedSurfaces;
 use crate::solver::execution::Execution;
+use crate::solver::gap_flows::GapFlows;
 use crate::solver::moving_boundaries::Filled;
 use tremie_team::Cut;
 
@@ -25,6 +26,8 @@ pub struct MovingBodies {
     pub of_bodies: Vec<MomentumExchange>,
     /// Sum of what all bodies exchanged.
     pub total: MomentumExchange,
+    /// What parts exchanged with declared gaps.
+    pub gap_flows: GapFlows,
     /// Cells that bodies uncovered in this step.
     pub refills: Vec<Filled>,
     /// True if bodies keep accounts of the mass that they owe; see `mass_correction`.
@@ -40,6 +43,7 @@ impl MovingBodies {
     /// gaps and sinks.
     pub fn list_links(&mut self, gaps_press: bool, counts: [usize; 2]) {
         self.links = items(&mut self.list, gaps_press, counts);
+        self.gap_flows = GapFlows::of(counts);
         self.exchanges = vec![ExchangeTally::default(); self.links.len()];
         self.of_bodies.resize(self.list.living.len(), MomentumExchange::default());
     }
@@ -95,17 +99,20 @@ impl MovingBodies {
     /// Volume by which the walls of bodies receded in the last step, those of gaps without fluid
     /// among them.
     pub fn receded(&self) -> f64 {
+        let mut parts = 0..;
         let all = self.list.living.iter().zip(&self.of_bodies);
         let counted = all.filter(|(body, _)| self.keeps_mass || body.is_part());
         let of_body = |(body, exchange): (&Body, &MomentumExchange)| {
-            let of_gaps = self.links[body.items.clone()].iter().flat_map(|item| &item.gaps.drawn);
-            exchange.receded + exchange.drawn + of_gaps.sum::<f64>()
+            let part = body.is_part().then(|| parts.next()).flatten();
+            let of_gaps = part.map_or(0.0, |part| self.gap_flows.drawn(part).sum());
+            exchange.receded + exchange.drawn + of_gaps
         };
         counted.map(of_body).sum()
     }
 
     /// Adds up what the items of each body exchanged, and the cells that changed hands, of all ranks.
     pub fn join_exchanges(&mut self, ranks: &mut Ranks) {
+        self.gap_flows.collect(&self.list.living, &self.links, ranks);
         let of_items = |body: &Body| {
             let mut sum = ExchangeTally::default();
             self.exchanges[body.items.clone()].iter().for_each(|item| sum += item);

@@ -7,6 +7,7 @@ use crate::lattice::collision_kernel::DensityRequests;
 use crate::lattice::populations::Real;
 use crate::solver::budget::{Budget, Changed};
 use crate::solver::execution::Execution;
+use crate::solver::far_means::{FarCell, far_means};
 use crate::solver::gap_model::GapModel;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::mass_correction::{charge, credit};
@@ -17,6 +18,8 @@ use std::sync::atomic::Ordering::Relaxed;
 #[derive(Clone, Copy, Debug)]
 pub struct Filled {
     vacated: Vacated,
+    /// Density minus 1 of the fluid near it, if there is some.
+    near: Option<f64>,
     content: Content,
 }
 
@@ -116,16 +119,27 @@ pub fn refill<T: Real>(
 ) {
     let mut refills = std::mem::take(&mut bodies.refills);
     refills.clear();
-    let empty = |&vacated: &Vacated| Filled { vacated, content: Content::default() };
+    let empty = |&vacated: &Vacated| Filled { vacated, near: None, content: Content::default() };
     refills.extend(lattice.flags.vacated.iter().map(empty));
-    let (before, list) = (lattice.before(), &bodies.list);
+    let (before, flags, list) = (lattice.before(), &lattice.flags, &bodies.list);
+    exec.team.for_each(&mut refills, |_, refill| {
+        refill.near = before.mean_near(flags, refill.vacated.cell);
+    });
+    let far = refills.iter().filter(|refill| refill.near.is_none()).map(|refill| {
+        let Vacated { cell, handle } = refill.vacated;
+        // Inside a body that was removed fluid is as far away as its surface.
+        let farthest = list.any_with_handle(handle).radius.ceil() as i32 + 2;
+        FarCell { cell, farthest }
+    });
+    let means = far_means(&before, flags, &lattice.numbers, far, exec);
     exec.team.for_each(&mut refills, |_, refill| {
         let Vacated { cell, handle } = refill.vacated;
-        let (body, alone) = (list.any_with_handle(handle), gaps.modelled.drho_at(cell));
-        refill.content = before.refill(&lattice.flags, cell, body, alone);
+        let alone = || gaps.modelled.drho_at(cell);
+        let drho = refill.near.or_else(|| means.get(&cell).copied()).unwrap_or_else(alone);
+        refill.content = before.refill(flags, cell, list.any_with_handle(handle), drho);
     });
     let own = |filled: &&Filled| lattice.layout.is_own(filled.vacated.cell);
-    for &Filled { vacated, content } in refills.iter().filter(own) {
+    for &Filled { vacated, content, .. } in refills.iter().filter(own) {
         budget.changed.uncovered.add(&content);
         credit(bodies, vacated.handle, content.drho);
     }

@@ -39,7 +39,7 @@ fn restore(fluid: &mut LbmFluid, path: &Path) -> Result<(), StateError> {
 impl Story {
     /// Checks that the story goes on with its bits wherever its state was kept and is put back: by one lattice in one
     /// piece, by as many ranks, by more and by fewer.
-    fn goes_on(&self, middle: usize) {
+    pub fn goes_on(&self, middle: usize) {
         let mut whole = self.case.fluid_of(&self.scene);
         self.begin(&mut whole);
         self.go(&mut whole, 0..middle);

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod gaps;
 mod kept;
 mod same_bits;
 mod story;

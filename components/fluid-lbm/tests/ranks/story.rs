@@ -4,11 +4,10 @@ use crate::common::*;
 use crate::thread_ranks::ThreadRank;
 use std::ops::Range;
 use tremie_fluid_lbm::LbmFluid;
-use tremie_messages::scene::{BodySet, Motion, Placement, Scene, Sphere};
-use tremie_messages::{BodyEvent, BodyState};
+use tremie_messages::scene::{BodySet, DeformableSurface, Motion, Placement, Scene, Sphere};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, SurfaceVertex};
 
 /// What happens in a scene.
-#[derive(Clone)]
 pub struct Story {
     pub case: Case,
     pub scene: Scene,
@@ -18,6 +17,8 @@ pub struct Story {
     pub swap: Vec<BodyEvent>,
     pub newcomers: Vec<BodyState>,
     pub steps: usize,
+    /// Vertices of a surface that deforms, at the end of a step.
+    pub vertices: Option<Box<dyn Fn(usize) -> Vec<SurfaceVertex> + Sync>>,
 }
 
 impl Story {
@@ -27,7 +28,7 @@ impl Story {
 
     pub fn of(scene: Scene, case: Case) -> Self {
         let (events, bodies, swap, newcomers) = Default::default();
-        Self { scene, case, events, bodies, swap, newcomers, steps: 40 }
+        Self { scene, case, events, bodies, swap, newcomers, steps: 40, vertices: None }
     }
 
     /// A sphere that moves evenly.
@@ -64,7 +65,14 @@ impl Story {
         };
         fluid.set_state(waves);
         fluid.apply_events(&self.events).unwrap();
+        self.deform(fluid, 0);
         fluid.start(&self.bodies, &mut loads_of(&self.bodies)).unwrap();
+    }
+
+    fn deform(&self, fluid: &mut LbmFluid, step: usize) {
+        if let Some(vertices) = &self.vertices {
+            fluid.set_surfaces(&vertices(step)).unwrap();
+        }
     }
 
     /// Goes through some of its steps; bits of what the fluid tells.
@@ -82,9 +90,16 @@ impl Story {
             }
             advance(&mut bodies);
             if is_there {
+                self.deform(fluid, step + 1);
                 let mut loads = loads_of(&bodies);
                 fluid.step(&bodies, &mut loads).unwrap();
                 note(fluid, &loads, &mut bits);
+                let facets = self.scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
+                let mut on_facets = vec![FacetLoad::default(); facets];
+                fluid.surface_loads(&mut on_facets);
+                let of_facets =
+                    on_facets.iter().flat_map(|load| load.force.iter().chain(&load.point));
+                bits.extend(of_facets.map(|x| x.to_bits()));
             }
         }
         bits
@@ -170,6 +185,8 @@ fn note(fluid: &mut LbmFluid, loads: &[tremie_messages::Load], bits: &mut Vec<u6
     put(found.max_density_deviation);
     put(found.max_tau);
     put(found.links as f64);
+    put(found.frozen as f64);
+    put(found.isolated as f64);
     put(found.fallback_links as f64);
     put(found.fluid_cells as f64);
     let ledger = fluid.ledger();

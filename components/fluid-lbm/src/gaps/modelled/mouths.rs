@@ -6,9 +6,10 @@ use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::post_collision::{PostCollision, density};
 use crate::lattice::cell_flags::{CellFlags, FROZEN};
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, mirrored};
+use crate::lattice::exact_sum::{ExactSum, add_vector, values};
 use crate::lattice::layout::Layout;
-use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
+use crate::ranks::rank_sums::Ranks;
 use tremie_messages::scene::GapRule;
 
 /// A link from a fluid cell to a frozen one.
@@ -99,18 +100,24 @@ impl ModelledGaps {
     }
 
     /// Reflects them.
-    pub(super) fn reflect_mouths<T: Real>(&mut self, after: &PostCollision<T>) {
-        self.impulse = [0.0; 3];
+    pub(super) fn reflect_mouths<T: Real>(&mut self, after: &PostCollision<T>, ranks: &mut Ranks) {
+        let mut impulse = [ExactSum::default(); 3];
+        self.gaps.iter_mut().for_each(|gap| gap.around = Default::default());
         for mouth in &self.mouths.list {
-            let i = usize::from(mouth.dir);
+            let (i, is_own) = (usize::from(mouth.dir), after.layout.is_own(mouth.cell));
             let gap = self.gaps.get_mut(usize::from(mouth.gap));
-            if let Some(gap) = gap.filter(|gap| gap.rule == GapRule::Nearest) {
-                gap.around[0] += density(&after.post(mouth.cell)) - 1.0;
-                gap.around[1] += 1.0;
+            if let Some(gap) = gap.filter(|gap| is_own && gap.rule == GapRule::Nearest) {
+                gap.around[0].add(density(&after.post(mouth.cell)) - 1.0);
+                gap.around[1].add(1.0);
             }
             let g = after.post_one(mouth.cell, i);
             let f = after.field.set(after.next_place(mouth.cell, OPPOSITE[i]), g);
-            add_scaled(&mut self.impulse, C_F64[i], g + f);
+            if is_own {
+                add_vector(&mut impulse, C_F64[i].map(|c| c * (g + f)));
+            }
         }
+        let around = self.gaps.iter_mut().flat_map(|gap| &mut gap.around);
+        ranks.add_up(around.chain(&mut impulse));
+        self.impulse = values(&impulse);
     }
 }

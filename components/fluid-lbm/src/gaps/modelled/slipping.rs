@@ -1,7 +1,8 @@
 //! Gaps whose walls slip: where they do, and whose walls they are.
 
-use super::{CELLS_PER_ITEM, Candidate, ModelledGaps, Wall};
+use super::{ModelledGaps, Wall};
 use crate::bodies::body_list::Bodies;
+use std::ops::Range;
 
 impl ModelledGaps {
     /// Axis across the gap of a fluid cell whose walls slip; `None` if they do not.
@@ -18,7 +19,7 @@ impl ModelledGaps {
 
     /// Numbers of cells that may be in gaps, by item of work.
     pub fn items(&self) -> impl Iterator<Item = usize> {
-        self.candidates.chunks(CELLS_PER_ITEM).map(<[Candidate]>::len)
+        self.items.iter().map(Range::len)
     }
 
     /// The cells of an item.
