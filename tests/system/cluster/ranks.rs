@@ -6,16 +6,16 @@ use crate::running::until;
 use crate::study::errors;
 use std::time::Duration;
 
-/// Two ranks within a job have the bits of one process, by the launcher of MPI and by Slurm's; cancelled, they
-/// leave nothing.
+/// Two ranks within a job have the bits of one process. Cancelled, they leave nothing.
 #[test]
 #[ignore = "it needs MPI, Slurm (apt-get install slurm-wlm) and root"]
 fn ranks_in_a_job_have_the_bits_of_one_process() {
     allow_ranks();
     let jobs = Jobs::new(STREAM);
     std::fs::write(jobs.out("ranks.toml"), on_ranks(STREAM, 2, "60 s")).unwrap();
-    assert!(jobs.ran(&["run", "m.toml", "--out", "here", "--quiet"]).status.success());
-    let ran = jobs.ran(&["run", "ranks.toml", "--out", "out", "--slurm"]);
+    let alone = ["run", "m.toml", "--out", "here", "--quiet", "--until", "6 ms"];
+    assert!(jobs.ran(&alone).status.success());
+    let ran = jobs.ran(&["run", "ranks.toml", "--out", "out", "--slurm", "--until", "6 ms"]);
     assert!(ran.status.success(), "{}", errors(&ran));
     jobs.assert_same("here", "out");
     jobs.left_nothing("out");
@@ -32,7 +32,6 @@ fn ranks_in_a_job_have_the_bits_of_one_process() {
     // Slurm's signal reaches the launcher of MPI, too, which ends its ranks at once.
     following.wait(Duration::from_secs(60));
     let said = following.errors();
-    println!("{said}");
     assert!(said.contains("Slurm: job 2 CANCELLED"), "{said}");
     jobs.left_nothing("long");
     until("the ranks end", || ranks_of(&out).is_empty());

@@ -17,6 +17,10 @@ use std::time::{Duration, Instant};
 
 /// Time between looks at Slurm's queue.
 const LOOK: Duration = Duration::from_secs(2);
+/// The same where nothing has changed for `QUIET`: a job may wait for days, and each look costs Slurm some work.
+const LATE_LOOK: Duration = Duration::from_secs(10);
+/// See `LATE_LOOK`.
+const QUIET: Duration = Duration::from_secs(60);
 /// Interval of the looks at interrupts.
 const PAUSE: Duration = Duration::from_millis(50);
 /// Time in which a job's run must be seen on this machine; then it is looked for on the job's.
@@ -37,6 +41,8 @@ pub(super) struct JobFollower<'a> {
     for_program: bool,
     /// The last that was told of the queue.
     told: String,
+    /// When there was news last.
+    news: Instant,
     /// When the job was first seen to run.
     running: Option<Instant>,
     /// When a step in it has not reached the run.
@@ -51,8 +57,17 @@ impl<'a> JobFollower<'a> {
         interrupts: &'a AtomicUsize,
         for_program: bool,
     ) -> Self {
-        let told = String::new();
-        Self { job, out, terminal, interrupts, for_program, told, running: None, unreached: None }
+        Self {
+            job,
+            out,
+            terminal,
+            interrupts,
+            for_program,
+            told: String::new(),
+            news: Instant::now(),
+            running: None,
+            unreached: None,
+        }
     }
 
     /// Follows the job to its end. The exit code is that of the run.
@@ -69,7 +84,7 @@ impl<'a> JobFollower<'a> {
                 // A controller that restarts is back soon.
                 Err(_) => {}
             }
-            if !self.pause(LOOK) {
+            if !self.pause(if self.news.elapsed() < QUIET { LOOK } else { LATE_LOOK }) {
                 return self.tell_how_it_goes_on();
             }
         }
@@ -111,6 +126,7 @@ impl<'a> JobFollower<'a> {
         if text != self.told {
             self.terminal.say(&text);
             self.told = text;
+            self.news = Instant::now();
         }
     }
 
@@ -161,6 +177,7 @@ impl<'a> JobFollower<'a> {
         let interrupts = self.interrupts;
         let next = || next().filter(|_| interrupts.load(Ordering::Relaxed) == 0);
         show(first, next, self.terminal, self.for_program);
+        self.news = Instant::now();
     }
 
     /// Tells what became of the run, once Slurm has the job no more.
