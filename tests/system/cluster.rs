@@ -1,7 +1,10 @@
-//! Studies on a cluster: a real Slurm on this machine, with a configuration of its own.
+//! Studies and runs on a cluster: a real Slurm on this machine, with a configuration of its own.
 //!
 //! It needs Slurm's daemons (Debian: `apt-get install slurm-wlm`) and the rights of root, so it runs only where
 //! it is asked for.
+
+mod ranks;
+mod runs;
 
 use crate::running::{Running, until};
 use crate::study::{Home, WITH_CHECKPOINTS, errors};

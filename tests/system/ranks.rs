@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Grains that stream around a part that moves and turns, a part that stands still, and probes: 54,000 cells.
-const STREAM: &str = r#"
+pub const STREAM: &str = r#"
 [run]
 until = "30 ms"
 
@@ -72,7 +72,7 @@ frames = "2 ms"
 "#;
 
 /// The same on so many ranks, which have so long to answer.
-fn on_ranks(text: &str, ranks: usize, deadline: &str) -> String {
+pub fn on_ranks(text: &str, ranks: usize, deadline: &str) -> String {
     let launcher = std::env::var("TREMIE_MPIEXEC").unwrap_or_else(|_| "mpiexec".into());
     format!(
         "{}\n[settings.fluid-lbm-mpi]\nlaunch = [\"{launcher}\", \"-n\", \"{ranks}\"]\ndeadline = \"{deadline}\"\n",
@@ -81,7 +81,7 @@ fn on_ranks(text: &str, ranks: usize, deadline: &str) -> String {
 }
 
 /// Lets Open MPI start more ranks than there are cores, as root; MPICH does without asking.
-fn allow_ranks() {
+pub fn allow_ranks() {
     for (name, value) in [
         ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
         ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
@@ -178,7 +178,7 @@ fn a_lost_part_of_a_checkpoint_is_named() {
 }
 
 /// Process ids of the ranks of a run, and where its outputs are.
-fn ranks_of(out: &Path) -> Vec<u32> {
+pub fn ranks_of(out: &Path) -> Vec<u32> {
     let name = std::fs::read_dir("/proc").unwrap().flatten();
     let of_program = name.filter_map(|entry| {
         let id: u32 = entry.file_name().to_str()?.parse().ok()?;

@@ -5,7 +5,7 @@
 //! the folder, and a killed run holds up nobody. Room for the summary is set aside in that file
 //! before the first window: the end of a run is recorded even where the disk is full.
 
-use super::{FIELDS, LOG, MANIFEST, RECORDING, SIGNALS, SUMMARY, Summary, TRACE};
+use super::{FIELDS, LOG, MANIFEST, RECORDING, SIGNALS, SLURM, SUMMARY, Summary, TRACE};
 use crate::manifest::ORCHESTRATOR;
 use rustix::fs::{FallocateFlags, FlockOperation, fallocate, flock};
 use rustix::io::Errno;
@@ -111,6 +111,19 @@ impl RunFolder {
     /// # Errors
     /// If it holds something or is another run's, or cannot be made.
     pub fn claim(folder: &Path) -> Result<Self, OutputError> {
+        Self::claim_beside(folder, None)
+    }
+
+    /// Claims the folder of a run that was given to Slurm, in the job: what belongs to Slurm lies there.
+    ///
+    /// # Errors
+    /// As [`RunFolder::claim`].
+    pub fn claim_in_job(folder: &Path) -> Result<Self, OutputError> {
+        Self::claim_beside(folder, Some(SLURM))
+    }
+
+    /// Claims `folder`, which may hold a file or folder of the name `known`.
+    fn claim_beside(folder: &Path, known: Option<&str>) -> Result<Self, OutputError> {
         let path = text_of(folder)?;
         let name = path.join(CLAIM);
         loop {
@@ -118,7 +131,7 @@ impl RunFolder {
             // A folder must be empty but for a claim. It is looked at before the file is made, so
             // that nothing is left in a folder that belongs to somebody, and again under the lock.
             let has_claim = name.symlink_metadata().is_ok();
-            if !has_claim && holds_more(&path)? {
+            if !has_claim && holds_more(&path, known)? {
                 return Err(OutputError::Occupied(path));
             }
             let claim = match OpenOptions::new()
@@ -142,7 +155,7 @@ impl RunFolder {
                 // The run that had it came to its end between the two calls.
                 continue;
             }
-            if holds_more(&path)? {
+            if holds_more(&path, known)? {
                 if !has_claim {
                     let _ = std::fs::remove_file(&name);
                 }
@@ -261,15 +274,16 @@ fn text_of(folder: &Path) -> Result<PathBuf, OutputError> {
     if path.to_str().is_none() { Err(OutputError::NoText(path)) } else { Ok(path) }
 }
 
-/// True if there is more in the folder than a claim.
-fn holds_more(folder: &Path) -> Result<bool, OutputError> {
+/// True if there is more in the folder than a claim, and what may have the name `known`.
+fn holds_more(folder: &Path, known: Option<&str>) -> Result<bool, OutputError> {
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
         Err(error) => return Err(OutputError::at(folder)(error)),
     };
     for entry in entries {
-        if entry.map_err(OutputError::at(folder))?.file_name() != CLAIM {
+        let name = entry.map_err(OutputError::at(folder))?.file_name();
+        if name != CLAIM && known.is_none_or(|known| name != known) {
             return Ok(true);
         }
     }
@@ -326,6 +340,20 @@ mod tests {
         let file = home.path().join("file");
         std::fs::write(&file, "").unwrap();
         assert!(matches!(RunFolder::claim(&file), Err(OutputError::Io { .. })));
+    }
+
+    #[test]
+    fn a_folder_that_waits_for_its_job_is_that_of_the_job() {
+        let home = tempfile::tempdir().unwrap();
+        let out = home.path().join("out");
+        std::fs::create_dir_all(out.join(SLURM)).unwrap();
+        assert!(matches!(RunFolder::claim(&out), Err(OutputError::Occupied(_))));
+        let claimed = RunFolder::claim_in_job(&out).unwrap();
+        assert!(matches!(RunFolder::claim_in_job(&out), Err(OutputError::Claimed(_))));
+        drop(claimed);
+        assert!(out.join(SLURM).is_dir(), "what the job said stays");
+        std::fs::write(out.join(SIGNALS), "window").unwrap();
+        assert!(matches!(RunFolder::claim_in_job(&out), Err(OutputError::Occupied(_))));
     }
 
     #[test]

@@ -43,3 +43,5 @@ pub const SUMMARY: &str = "summary.json";
 pub const FIELDS: &str = "fields";
 /// Frames, by the recorder.
 pub const RECORDING: &str = "run.mcap";
+/// What Slurm was given of the run, and what its jobs said; a folder, also of a study.
+pub const SLURM: &str = "slurm";

@@ -1,6 +1,7 @@
 //! The command line of `tremie`.
 
 use super::completion::{CompletionShell, complete_key, complete_setting};
+use super::slurm_args::SlurmArgs;
 use super::steer_args::SteerCommand;
 use crate::registry::{OnArguments, OnRuns, PackageCommand, READERS, SCENES, TOOLS};
 use crate::tools::conform::ConformArgs;
@@ -89,7 +90,7 @@ pub enum Command {
 /// Command that a command line asks for.
 pub enum Asked {
     /// A command of the program itself.
-    Own(Command),
+    Own(Box<Command>),
     /// A command of a package.
     OfPackage(OnArguments, ArgMatches),
     /// A reader of finished runs, in these folders.
@@ -144,7 +145,7 @@ fn of_matches(mut matches: ArgMatches) -> Result<Asked, clap::Error> {
         let out = inner.get_many::<PathBuf>("OUT").expect("clap demands it").cloned().collect();
         return Ok(Asked::Reader(reader.work, out, inner.clone()));
     }
-    Ok(Asked::Own(Cli::from_arg_matches_mut(&mut matches)?.command))
+    Ok(Asked::Own(Box::new(Cli::from_arg_matches_mut(&mut matches)?.command)))
 }
 
 fn named<W>(
@@ -224,6 +225,12 @@ pub struct RunArgs {
     /// Make a component commit a fault, to see it caught: grains:drop@17
     #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
     pub inject: Vec<(String, Injection)>,
+    /// Whether it is given to Slurm.
+    #[command(flatten)]
+    pub at_slurm: SlurmArgs,
+    /// Make the run in its job (the script of --slurm calls this).
+    #[arg(long, hide = true, requires = "out", conflicts_with = "slurm")]
+    pub in_job: bool,
 }
 
 /// Arguments of `tremie resume`.
@@ -250,6 +257,9 @@ pub struct ResumeArgs {
     /// twice ends the run
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub restart_on_fault: u32,
+    /// Whether it is given to Slurm.
+    #[command(flatten)]
+    pub at_slurm: SlurmArgs,
     /// Say nothing but errors and the last line
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,

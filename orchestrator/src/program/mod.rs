@@ -3,6 +3,8 @@
 pub mod cli;
 pub mod commands;
 pub mod completion;
+pub mod run_words;
+pub mod slurm_args;
 pub mod steer_args;
 
 use crate::run::limits;
@@ -22,7 +24,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
     let own_name = words.first().cloned();
     let code = match cli::read(words) {
-        Ok(Asked::Own(command)) => obey(command, own_name),
+        Ok(Asked::Own(command)) => obey(*command, own_name),
         Ok(Asked::OfPackage(work, arguments)) => commands::of_package(work, &arguments),
         Ok(Asked::Reader(work, out, arguments)) => commands::reader(work, &out, &arguments),
         Err(word) => commands::usage(&word),

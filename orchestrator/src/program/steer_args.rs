@@ -14,8 +14,9 @@ pub enum SteerCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Show a run in progress live, until it ends: windows a second, who waits.
-    Attach(RunChoice),
+    /// Show a run in progress live, until it ends: windows a second, who waits. Also one at Slurm, by the folder
+    /// of its outputs: in the queue, on its node, and how it ended.
+    Attach(AttachArgs),
     /// Pause a run in progress between two windows.
     Pause(RunChoice),
     /// Make some windows more, then pause.
@@ -50,4 +51,15 @@ pub enum SteerCommand {
 pub struct RunChoice {
     /// Number of the run, or folder of its outputs [default: the only one]
     pub run: Option<String>,
+}
+
+/// Arguments of `tremie attach`.
+#[derive(Debug, Args)]
+pub struct AttachArgs {
+    /// The run.
+    #[command(flatten)]
+    pub choice: RunChoice,
+    /// Print JSON, a document each second, as that of `tremie ps --json`
+    #[arg(long)]
+    pub json: bool,
 }

@@ -52,7 +52,8 @@ pub fn find_programs(manifest: &Manifest, folder: &Path) -> Result<Vec<Program>,
     if problems.is_empty() { Ok(programs) } else { Err(problems) }
 }
 
-/// Starts all components, in the order of the manifest.
+/// Starts all components, in the order of the manifest; with `is_unlaunched` each as one process, without its
+/// launcher.
 ///
 /// # Errors
 /// A problem for the first that cannot be started.
@@ -60,9 +61,13 @@ pub fn start_all(
     manifest: &Manifest,
     programs: &[Program],
     launcher: &Launcher,
+    is_unlaunched: bool,
 ) -> Result<Vec<Peer>, Vec<Problem>> {
     let start = |(index, (spec, program)): (usize, (&ComponentSpec, &Program))| {
-        let launch = launch_of(spec, program)?;
+        let mut launch = launch_of(spec, program)?;
+        if is_unlaunched {
+            launch.clear();
+        }
         launcher
             .start(index, &spec.name, spec.role, (&launch, program))
             .map_err(|text| vec![Problem::new(spec.key(), text)])
@@ -75,12 +80,24 @@ const LAUNCH: &str = "launch";
 
 /// The words before the program of a component, by which it is launched: none for most.
 fn launch_of(spec: &ComponentSpec, program: &Program) -> Result<Vec<String>, Vec<Problem>> {
-    let Some(value) = spec.settings.get(LAUNCH) else { return Ok(Vec::new()) };
-    let key = format!("settings.{}.{LAUNCH}", spec.stem());
-    let problem = |text: &str| vec![Problem::new(&key, text)];
-    if let Program::BuiltIn(name) = program {
-        return Err(problem(&format!("{name} is one process, expected no launcher of many")));
+    if let (Program::BuiltIn(name), true) = (program, spec.settings.contains_key(LAUNCH)) {
+        let text = format!("{name} is one process, expected no launcher of many");
+        return Err(vec![Problem::new(key_of_launch(spec), text)]);
     }
+    launch_words(spec)
+}
+
+fn key_of_launch(spec: &ComponentSpec) -> String {
+    format!("settings.{}.{LAUNCH}", spec.stem())
+}
+
+/// The words before the program of a component, whatever program that is.
+///
+/// # Errors
+/// If the setting is none.
+pub fn launch_words(spec: &ComponentSpec) -> Result<Vec<String>, Vec<Problem>> {
+    let Some(value) = spec.settings.get(LAUNCH) else { return Ok(Vec::new()) };
+    let problem = |text: &str| vec![Problem::new(key_of_launch(spec), text)];
     let words: Result<Vec<String>, _> = serde_json::from_value(value.clone());
     match words {
         Ok(words) if !words.is_empty() => Ok(words),

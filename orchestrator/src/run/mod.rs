@@ -46,6 +46,8 @@ pub(crate) const QUIT_GRACE: Duration = Duration::from_millis(300);
 pub struct Execution {
     /// Components as threads of this process.
     pub in_process: bool,
+    /// Programs without their launchers: for a check where launchers are not to begin.
+    pub unlaunched: bool,
     /// Faults that components shall commit: component and fault.
     pub inject: Vec<(String, Injection)>,
     /// Time that components poll before they sleep, if not the usual one.

@@ -52,7 +52,8 @@ pub fn prepare(
     check_injections(execution).map_err(RunError::Input)?;
     let programs = find_programs(manifest, folder).map_err(RunError::Input)?;
     let (launcher, news) = Launcher::new(execution.in_process);
-    let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
+    let peers = start_all(manifest, &programs, &launcher, execution.unlaunched);
+    let mut peers = peers.map_err(RunError::Input)?;
     let run = random_id();
     let mut early = EarlyLog::default();
     let mut round = Round {

@@ -2,7 +2,8 @@
 
 use crate::terminal::Progress;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// A command of a user to a run in progress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +29,27 @@ pub enum SteeringCommand {
     },
     /// End in order, as Ctrl-C does.
     Stop {},
+}
+
+impl SteeringCommand {
+    /// The words by which the program gives it to the run with outputs in `out`.
+    pub fn words(&self, out: &Path) -> Vec<OsString> {
+        let word = |word: &str| OsString::from(word);
+        let mut words = match self {
+            Self::Status {} => vec![word("attach"), word("--json")],
+            Self::Pause {} => vec![word("pause")],
+            Self::Step { windows } => vec![word("step"), word(&windows.to_string())],
+            Self::Continue {} => vec![word("continue")],
+            Self::Checkpoint {} => vec![word("checkpoint")],
+            Self::Set { changes } => {
+                let changes = changes.iter().map(|(key, value)| word(&format!("{key}={value}")));
+                std::iter::once(word("set")).chain(changes).chain([word("--run")]).collect()
+            }
+            Self::Stop {} => vec![word("stop")],
+        };
+        words.push(out.into());
+        words
+    }
 }
 
 /// Answer of a run to a command.

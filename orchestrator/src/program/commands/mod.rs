@@ -8,10 +8,13 @@
 //! user ended a run; 141 the reader of the answer stopped reading, as `head` does. A command that
 //! could not write its answer never ends with 0.
 
+mod at_slurm;
+mod attach;
 mod bench;
 mod carry_out;
 mod check;
 mod diff;
+mod follow_job;
 mod interrupts;
 mod new_scene;
 mod packages;

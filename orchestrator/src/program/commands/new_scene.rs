@@ -3,7 +3,7 @@
 use super::packages::end;
 use crate::terminal::standard::complain_text;
 use crate::tools::new_scene::{NewArgs, NewScene, make_scene};
-use crate::tools::study::shell_word;
+use crate::tools::shell::shell_word;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 

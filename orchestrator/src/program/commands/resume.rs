@@ -1,9 +1,11 @@
 //! `tremie resume`: goes on with a run from a checkpoint.
 
+use super::at_slurm::SlurmOrder;
 use super::carry_out::{Begin, RunOrder, add_observers, carry_out};
 use super::{WRONG_INPUT, refuse, refuse_text};
 use crate::outputs::{ChangeRecord, MANIFEST, RunFolder, WholeCheckpoint, record_change};
 use crate::program::cli::ResumeArgs;
+use crate::program::run_words::resume_words;
 use crate::run::Execution;
 use crate::run::changes::{self, NotChanged};
 use crate::terminal::{Style, Terminal};
@@ -31,6 +33,19 @@ pub fn resume(arguments: &ResumeArgs) -> ExitCode {
     add_observers(&mut manifest, &arguments.view);
     let execution = Execution { in_process: arguments.in_process, ..Execution::default() };
     let programs = from.record.programs.clone();
+    if arguments.at_slurm.slurm {
+        let order = SlurmOrder {
+            manifest: &manifest,
+            programs: &programs,
+            execution,
+            view: &arguments.view,
+            at_slurm: &arguments.at_slurm,
+        };
+        let claim = || RunFolder::reclaim(&arguments.out);
+        let given = order.carry_out(&mut terminal, claim, |_| resume_words(arguments));
+        return given
+            .unwrap_or_else(|error| refuse(&error, &manifest, arguments.json, &mut terminal));
+    }
     let order = RunOrder {
         manifest: &manifest,
         programs: &programs,

@@ -1,10 +1,12 @@
 //! `tremie run`.
 
+use super::at_slurm::SlurmOrder;
 use super::carry_out::{Begin, RunOrder, add_observers, carry_out};
 use super::{refuse, refuse_text};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{self, ChangeRecord, RunFolder, WholeCheckpoint};
 use crate::program::cli::{ManifestArgs, RunArgs};
+use crate::program::run_words::run_words;
 use crate::run::{Execution, RunError, changes};
 use crate::terminal::{Style, Terminal};
 use std::path::{Path, PathBuf};
@@ -54,7 +56,22 @@ fn run_checked(
         None => None,
         Some(from) => Some(branch(from, manifest)?),
     };
-    let claim = || RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest);
+    let out = arguments.out.as_deref();
+    if arguments.at_slurm.slurm {
+        let order = SlurmOrder {
+            manifest,
+            programs: &folder,
+            execution,
+            view: &arguments.view,
+            at_slurm: &arguments.at_slurm,
+        };
+        let claim = || RunFolder::choose(out, &arguments.manifest.manifest);
+        return order.carry_out(terminal, claim, |out| run_words(arguments, out));
+    }
+    let claim = || match out {
+        Some(out) if arguments.in_job => RunFolder::claim_in_job(out),
+        out => RunFolder::choose(out, &arguments.manifest.manifest),
+    };
     carry_out(&order, execution, from, terminal, claim)
 }
 

@@ -1,28 +1,22 @@
 //! Commands to a run in progress.
 
 use super::WRONG_INPUT;
-use crate::outputs::SUMMARY;
+use super::attach::{attach, await_return};
 use crate::program::steer_args::SteerCommand;
 use crate::steering::{
     Answer, LivingRun, NotReached, RunState, RunStatus, SteeringCommand, find, living,
 };
 use crate::terminal::standard::{answer, complain};
-use crate::terminal::{Style, Terminal};
+use crate::tools::slurm::{JobState, RunJob, step_of};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
-
-/// Interval of the looks at a run that is attached to.
-const LOOK: Duration = Duration::from_millis(200);
-/// Time for which a run that no longer answers is looked for: one that takes a change starts again.
-const RETURN: Duration = Duration::from_secs(3);
 
 /// Carries out a command to a run in progress.
 pub fn steer(command: SteerCommand) -> ExitCode {
     let (run, command) = match command {
         SteerCommand::Ps { json } => return list(json),
-        SteerCommand::Attach(choice) => return attach(choice.run.as_deref()),
+        SteerCommand::Attach(arguments) => return attach(&arguments),
         SteerCommand::Pause(choice) => (choice.run, SteeringCommand::Pause {}),
         SteerCommand::Step { windows, run } => (run.run, SteeringCommand::Step { windows }),
         SteerCommand::Continue(choice) => (choice.run, SteeringCommand::Continue {}),
@@ -30,9 +24,13 @@ pub fn steer(command: SteerCommand) -> ExitCode {
         SteerCommand::Checkpoint(choice) => (choice.run, SteeringCommand::Checkpoint {}),
         SteerCommand::Stop(choice) => (choice.run, SteeringCommand::Stop {}),
     };
-    let run = match find(run.as_deref()) {
+    let word = run.as_deref();
+    let run = match find(word) {
         Ok(run) => run,
-        Err(error) => return not_reached(&error),
+        Err(error) => {
+            let code = word.and_then(|out| ask_in_job(Path::new(out), &command));
+            return code.unwrap_or_else(|| not_reached(&error));
+        }
     };
     match run.ask(&command, None) {
         Ok(Answer::Done { text, .. }) => {
@@ -55,7 +53,33 @@ pub fn steer(command: SteerCommand) -> ExitCode {
     }
 }
 
-fn not_reached(error: &NotReached) -> ExitCode {
+/// Gives a command to a run at Slurm, by a step of its job on the machine where it is; `None` where no job in
+/// Slurm's queue has the outputs `out`.
+fn ask_in_job(out: &Path, command: &SteeringCommand) -> Option<ExitCode> {
+    let out = std::path::absolute(out).ok()?;
+    let mut job = RunJob::from_outside(&out)?;
+    let queued = job.in_queue().ok()??;
+    if queued.state == JobState::Waiting {
+        let number = job.name();
+        complain(format_args!(
+            "error: job {number} waits in Slurm's queue, and its run takes no commands yet; `scancel {number}` takes it out"
+        ));
+        return Some(ExitCode::FAILURE);
+    }
+    let step = step_of(job.name(), command.words(&out)).and_then(|mut step| step.status());
+    Some(match step {
+        Ok(status) => {
+            let code = status.code().and_then(|code| u8::try_from(code).ok());
+            code.map_or(ExitCode::FAILURE, ExitCode::from)
+        }
+        Err(error) => {
+            complain(format_args!("error: srun: {error}"));
+            ExitCode::FAILURE
+        }
+    })
+}
+
+pub(super) fn not_reached(error: &NotReached) -> ExitCode {
     complain(format_args!("error: {error}"));
     let is_input = matches!(error, NotReached::Several | NotReached::Unknown(_));
     if is_input { ExitCode::from(WRONG_INPUT) } else { ExitCode::FAILURE }
@@ -108,75 +132,4 @@ fn line(status: &RunStatus) -> String {
         progress.rate,
         out.display()
     )
-}
-
-/// `tremie attach`: shows the progress of a run until it ends.
-fn attach(run: Option<&str>) -> ExitCode {
-    let mut terminal = Terminal::new(Style::Person);
-    let (mut run, mut status) =
-        match find(run).and_then(|run| run.status().map(|status| (run, status))) {
-            Ok(found) => found,
-            Err(error) => return not_reached(&error),
-        };
-    let out = status.out.clone();
-    terminal.say(&format!("run {}, outputs in {}", status.run, out.display()));
-    let mut shown = RunState::Running;
-    loop {
-        if status.state != shown {
-            shown = status.state;
-            let window = status.progress.window;
-            terminal.say(&format!("{} at window {window}", shown.name()));
-        }
-        if terminal.wants_progress() {
-            terminal.progress(&status.progress);
-        }
-        std::thread::sleep(LOOK);
-        status = match run.status() {
-            Ok(status) => status,
-            Err(_) => match await_return(&out, None) {
-                Some((again, status)) => {
-                    run = again;
-                    terminal.say(&format!("goes on as run {}", status.run));
-                    status
-                }
-                None => break,
-            },
-        };
-    }
-    let (text, code) = end_of(&out);
-    terminal.end(&text, Value::Null);
-    code
-}
-
-/// The run, another than `before`, that writes into `out` again; `None` if there is none for a while.
-fn await_return(out: &Path, before: Option<&LivingRun>) -> Option<(LivingRun, RunStatus)> {
-    let mut seen = Instant::now();
-    while seen.elapsed() < RETURN {
-        let is_it = |run: &LivingRun| run.out().as_deref() == Some(out);
-        for run in living().ok()?.into_iter().filter(is_it) {
-            let is_new = before.is_none_or(|before| before.run != run.run);
-            match run.status() {
-                Ok(status) if is_new => return Some((run, status)),
-                // It is ending, or starting.
-                _ => seen = Instant::now(),
-            }
-        }
-        std::thread::sleep(Duration::from_millis(50));
-    }
-    None
-}
-
-/// What became of a run that has ended.
-fn end_of(out: &Path) -> (String, ExitCode) {
-    let summary = std::fs::read_to_string(out.join(SUMMARY)).ok();
-    let summary: Option<Value> = summary.and_then(|text| serde_json::from_str(&text).ok());
-    let Some(summary) = summary else {
-        let out = out.display();
-        let text =
-            format!("the run is gone without an end; `tremie resume {out}` may go on with it");
-        return (text, ExitCode::FAILURE);
-    };
-    let status = summary["status"].as_str().unwrap_or("ended");
-    let text = format!("{status}: {} windows; outputs in {}", summary["windows"], out.display());
-    (text, ExitCode::from(u8::from(status == "failed")))
 }

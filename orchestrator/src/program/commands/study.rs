@@ -7,9 +7,10 @@ use crate::run::RunError;
 use crate::run::handshake::cores;
 use crate::terminal::standard::answer;
 use crate::terminal::{Style, Terminal};
+use crate::tools::shell::shell_word;
 use crate::tools::study::{
     FolderUse, RunQueue, SlurmQueue, Study, StudyEnd, StudyError, StudyRun, TABLE, draw_plots,
-    shell_word, value_text,
+    value_text,
 };
 use serde_json::json;
 use std::process::ExitCode;

@@ -9,7 +9,7 @@ mod with_us;
 pub use own_program::{Interpreted, interpreted_by, own_words};
 pub use peer::{Peer, end_all};
 pub use program::{MissingProgram, Program};
-pub use with_us::this_program;
+pub use with_us::{Signal, end_with_us, this_program};
 
 use crate::registry::built_in;
 use lines::{forward_log, forward_replies, write_requests};
@@ -23,7 +23,7 @@ use std::time::Duration;
 use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Role};
 use tremie_sdk::ControlPipe;
-use with_us::{Signal, end_with_us, ends_by_us};
+use with_us::ends_by_us;
 
 /// Arrival from a component: a reply, a line, or its end.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 
 use super::NewArgs;
 use crate::manifest::{KeyHelp, key_help};
-use crate::tools::study::shell_word;
+use crate::tools::shell::shell_word;
 use clap::ValueEnum;
 use std::ffi::OsStr;
 

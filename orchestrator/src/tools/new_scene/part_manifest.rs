@@ -7,7 +7,7 @@ use super::file_unit::{edges_text, three_digits};
 use super::part_scene::{FlowKind, PartScene};
 use super::quantity_text::{length, lengths, quoted, speed, time};
 use super::{fill_in, write_file};
-use crate::tools::study::shell_word;
+use crate::tools::shell::shell_word;
 use std::path::Path;
 use tremie_results::CommandError;
 

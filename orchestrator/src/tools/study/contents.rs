@@ -5,6 +5,7 @@ use super::columns::StudyColumn;
 use super::file::{PlotTable, SlurmTable, StudyDocument};
 use super::points;
 use crate::manifest::{self, ManifestErrors, Source, is_within};
+use crate::tools::slurm::check_option;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use tremie_messages::{Problem, nearest};
@@ -184,8 +185,7 @@ fn check_slurm(table: &SlurmTable, problems: &mut Vec<Problem>) {
         problems.push(problem.help("leave it out for a core for each component that computes"));
     }
     for (index, option) in table.options.iter().enumerate() {
-        if !option.starts_with('-') || option.contains('\n') {
-            let message = format!("found {option:?}, expected an option of sbatch");
+        if let Err(message) = check_option(option) {
             let problem = Problem::new(format!("slurm.options[{index}]"), message);
             problems.push(problem.help("write \"--time=1:00:00\""));
         }

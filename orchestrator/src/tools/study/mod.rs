@@ -35,8 +35,9 @@ pub use threads::ThreadShare;
 
 use crate::manifest::{Manifest, ManifestErrors};
 use crate::outputs::OutputError;
-use crate::run::launch::own_words;
 use crate::run::{RunError, signals_of};
+use crate::tools::shell::shell_line;
+use crate::tools::slurm::SlurmError;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
@@ -74,14 +75,9 @@ pub enum StudyError {
     },
     /// One of Slurm's commands did not do its work.
     #[error(
-        "{command}: {message}\n--slurm needs the commands of a Slurm cluster, and a study whose folder all nodes share; --print gives the command lines to any other scheduler"
+        "{0}\n--slurm needs the commands of a Slurm cluster, and a study whose folder all nodes share; --print gives the command lines to any other scheduler"
     )]
-    Slurm {
-        /// The command.
-        command: String,
-        /// What it said.
-        message: String,
-    },
+    Slurm(#[from] SlurmError),
     /// The user asked for the end before the first run.
     #[error("interrupted before the first run")]
     Interrupted,
@@ -136,7 +132,7 @@ impl Study {
     /// # Errors
     /// If the system does not tell where this program lies.
     pub fn command_line(&self, run: &StudyRun, share: &ThreadShare) -> Result<String, StudyError> {
-        shell_line(self.arguments(run, share))
+        Self::line(self.arguments(run, share))
     }
 
     /// The command that goes on with a run that was broken off.
@@ -144,7 +140,11 @@ impl Study {
     /// # Errors
     /// See [`Self::command_line`].
     pub fn resuming_line(&self, run: &StudyRun) -> Result<String, StudyError> {
-        shell_line(self.resuming_arguments(run))
+        Self::line(self.resuming_arguments(run))
+    }
+
+    fn line(arguments: Vec<OsString>) -> Result<String, StudyError> {
+        shell_line(arguments).map_err(StudyError::io(Path::new("/proc/self/exe")))
     }
 
     /// Arguments of this program to go on with a run.
@@ -162,23 +162,6 @@ impl Study {
         let sets = run.sets.iter().chain(&share.sets);
         let sets = sets.flat_map(|(key, value)| ["--set".into(), format!("{key}={value}").into()]);
         begin.into_iter().chain(sets).collect()
-    }
-}
-
-/// A command line of this program, as a shell takes it.
-fn shell_line(arguments: Vec<OsString>) -> Result<String, StudyError> {
-    let program = own_words().map_err(StudyError::io(Path::new("/proc/self/exe")))?;
-    let words = program.into_iter().chain(arguments);
-    Ok(words.map(|word| shell_word(&word)).collect::<Vec<_>>().join(" "))
-}
-
-/// A word as a shell reads it back.
-pub fn shell_word(word: &OsStr) -> String {
-    let text = word.to_string_lossy();
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,".contains(c);
-    match !text.is_empty() && text.chars().all(is_plain) {
-        true => text.into_owned(),
-        false => format!("'{}'", text.replace('\'', r"'\''")),
     }
 }
 
@@ -205,17 +188,4 @@ fn columns_with_units(
     }
     let source_text = contents.source.clone();
     Err(StudyError::Input(vec![ManifestErrors { source_text, problems }]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_of_a_shell_are_quoted_where_they_must_be() {
-        assert_eq!(shell_word(OsStr::new("runs/a-1")), "runs/a-1");
-        assert_eq!(shell_word(OsStr::new("a=\"1 m\"")), "'a=\"1 m\"'");
-        assert_eq!(shell_word(OsStr::new("it's")), r"'it'\''s'");
-        assert_eq!(shell_word(OsStr::new("")), "''");
-    }
 }

@@ -4,9 +4,10 @@ use super::folder::RunOutcome;
 use super::table::{RunResults, write_tables};
 use super::{Study, StudyError};
 use crate::terminal::{RunsProgress, Terminal};
+use crate::tools::last_lines::last_lines;
 use serde_json::json;
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::Seek;
 use std::time::Instant;
 
 /// Most failures that are told in full.
@@ -144,14 +145,8 @@ impl<'a> StudyResults<'a> {
 
 /// Text in a file, its last lines where it is long.
 pub fn last_words(file: &mut File) -> String {
-    const LINES: usize = 30;
-    let mut bytes = Vec::new();
-    let read = file.rewind().and_then(|()| file.read_to_end(&mut bytes));
-    if let Err(error) = read {
-        return format!("  its words cannot be read: {error}");
+    match file.rewind().and_then(|()| last_lines(file)) {
+        Ok(lines) => lines.iter().map(|line| format!("  {line}")).collect::<Vec<_>>().join("\n"),
+        Err(error) => format!("  its words cannot be read: {error}"),
     }
-    let text = String::from_utf8_lossy(&bytes);
-    let lines: Vec<&str> = text.trim_end().lines().collect();
-    let first = lines.len().saturating_sub(LINES);
-    lines[first..].iter().map(|line| format!("  {line}")).collect::<Vec<_>>().join("\n")
 }

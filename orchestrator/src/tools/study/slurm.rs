@@ -9,29 +9,27 @@
 //! the program is another now, it is given to Slurm once more, from the start.
 
 use super::folder::FolderUse;
-use super::results::{StudyEnd, StudyResults, last_words};
+use super::results::{StudyEnd, StudyResults};
 use super::threads::ThreadShare;
-use super::{Study, StudyError, shell_word};
+use super::{Study, StudyError};
+use crate::outputs::SLURM;
 use crate::terminal::Terminal;
+use crate::tools::shell::shell_word;
+use crate::tools::slurm::{
+    FILES_SEEN, JobEnd, JobState, QueuedJob, option_lines, queued, quoted, submit,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsStr;
-use std::fs::File;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// File of the arrays that may not have ended.
 const ARRAYS: &str = "slurm.json";
-/// Folder of scripts, command lines and what the tasks say.
-const FOLDER: &str = "slurm";
 /// Most tasks of an array: clusters allow 1000 as a rule.
 const MOST_TASKS: usize = 1000;
 /// Time between looks at Slurm's queue.
 const LOOK: Duration = Duration::from_secs(2);
-/// Time in which the files of a task that has ended must be seen here.
-const FILES_SEEN: Duration = Duration::from_secs(10);
 
 /// An array of jobs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -120,7 +118,7 @@ impl<'a> SlurmQueue<'a> {
         if self.arrays.is_empty() {
             return Ok(());
         }
-        let queued = queued()?;
+        let queued = queued_tasks()?;
         let left: BTreeSet<usize> = self.results.left().collect();
         let name = |index: usize| self.study.runs[index].name.as_str();
         let numbers: BTreeMap<&str, usize> =
@@ -187,7 +185,7 @@ impl<'a> SlurmQueue<'a> {
     }
 
     fn submit_array(&mut self, runs: &[usize], is_one_of_several: bool) -> Result<(), StudyError> {
-        let folder = self.study.folder.path().join(FOLDER);
+        let folder = self.study.folder.path().join(SLURM);
         let folder = std::path::absolute(&folder).unwrap_or(folder);
         std::fs::create_dir_all(&folder).map_err(StudyError::io(&folder))?;
         let number = (1..).find(|k| !folder.join(format!("{k}.sh")).exists()).unwrap_or(1);
@@ -221,9 +219,7 @@ impl<'a> SlurmQueue<'a> {
         let names = runs.iter().map(name).collect();
         self.arrays.push(JobArray { script: script.clone(), runs: names, resumed });
         self.note()?;
-        let job = run_command(Command::new("sbatch").arg("--parsable").arg(&script))?;
-        // With a cluster's name behind it where there are several.
-        let job = job.trim().split(';').next().unwrap_or_default().to_string();
+        let job = submit(&script)?;
         self.tasks.extend((1..).zip(runs).map(|(task, run)| (*run, (script.clone(), task))));
         let text = format!("Slurm has {} runs as job {job}; {}", runs.len(), script.display());
         self.results.terminal.say(&text);
@@ -233,13 +229,13 @@ impl<'a> SlurmQueue<'a> {
 
     /// Takes the results of tasks that have ended.
     fn collect(&mut self) -> Result<(), StudyError> {
-        let queued = queued()?;
+        let queued = queued_tasks()?;
         let (mut running, mut waiting) = (0, 0);
         let (mut gone, mut anew) = (Vec::new(), Vec::new());
         for (&index, task) in &self.tasks {
             match queued.get(task).map(|found| found.state) {
-                Some(TaskState::Waiting) => waiting += 1,
-                Some(TaskState::Running) => running += 1,
+                Some(JobState::Waiting) => waiting += 1,
+                Some(JobState::Running) => running += 1,
                 None => gone.push(index),
             }
         }
@@ -252,14 +248,14 @@ impl<'a> SlurmQueue<'a> {
             }
             let Some((script, task)) = self.tasks.remove(&index) else { continue };
             let job = self.jobs.get(&script).cloned().unwrap_or_default();
-            let end = TaskEnd::asked(&job, task);
+            let end = JobEnd::asked(format!("{job}_{task}"));
             if self.resumed.remove(&index) && !self.results.is_done(index) && end.has_failed() {
                 // Of another program, or with a state that is damaged: from the start, then.
                 self.study.folder.remove(&self.study.runs[index])?;
                 anew.push(index);
                 continue;
             }
-            let file = self.study.folder.path().join(FOLDER).join(format!("{job}_{task}.txt"));
+            let file = self.study.folder.path().join(SLURM).join(format!("{job}_{task}.txt"));
             self.results.take_made(index, || end.words(&file))?;
         }
         self.forget_ended()?;
@@ -319,21 +315,18 @@ struct ArrayScript {
 impl ArrayScript {
     fn text(&self) -> String {
         let at_once = self.at_once.map_or(String::new(), |jobs| format!("%{jobs}"));
-        // Slurm takes the quotes off; without them a name ends at its first space.
-        let quoted = |text: String| shell_word(OsStr::new(&text));
         let mut options = vec![
-            format!("--job-name={}", quoted(self.name.clone())),
+            format!("--job-name={}", quoted(&self.name)),
             format!("--array=1-{}{at_once}", self.tasks),
             format!("--cpus-per-task={}", self.threads),
-            format!("--output={}", quoted(format!("{}/%A_%a.txt", self.folder.display()))),
+            format!("--output={}", quoted(&format!("{}/%A_%a.txt", self.folder.display()))),
             // With a run that was broken off the next study goes on, as it can.
             "--no-requeue".into(),
         ];
         options.extend(self.in_turn.then(|| "--dependency=singleton".into()));
         // Last: they hold where an option stands twice.
         options.extend(self.options.iter().cloned());
-        let options =
-            options.iter().map(|option| format!("#SBATCH {option}\n")).collect::<String>();
+        let options = option_lines(&options);
         let lines = shell_word(self.lines.as_os_str());
         format!(
             "#!/bin/sh\n{options}\n# Command line of this task. `exec`: signals reach the run.\n\
@@ -342,89 +335,10 @@ impl ArrayScript {
     }
 }
 
-/// State of a task in Slurm's queue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum TaskState {
-    Waiting,
-    Running,
-}
-
-/// A task as Slurm's queue has it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct QueuedTask {
-    /// Number of its array.
-    job: String,
-    state: TaskState,
-}
-
-/// All of the user's tasks that have not ended.
-fn queued() -> Result<BTreeMap<Task, QueuedTask>, StudyError> {
-    let arguments = ["--me", "--array", "--noheader", "--format=%F %K %T %o"];
-    let text = run_command(Command::new("squeue").args(arguments))?;
-    Ok(text.lines().filter_map(task_of_line).collect())
-}
-
-/// A line of the queue: job, task, state and script; `None` for what is no task of an array.
-fn task_of_line(line: &str) -> Option<(Task, QueuedTask)> {
-    let mut words = line.splitn(4, ' ');
-    let (job, task, state) = (words.next()?, words.next()?.parse().ok()?, words.next()?);
-    let script = words.next()?.trim_end().into();
-    let is_running = matches!(state, "RUNNING" | "COMPLETING" | "SUSPENDED" | "STAGE_OUT");
-    let state = if is_running { TaskState::Running } else { TaskState::Waiting };
-    Some(((script, task), QueuedTask { job: job.to_string(), state }))
-}
-
-/// What Slurm says of a task that has ended, as long as it remembers.
-struct TaskEnd {
-    /// Array and number, as Slurm writes them.
-    task: String,
-    /// Its word and the exit code.
-    state: Option<[String; 2]>,
-}
-
-impl TaskEnd {
-    /// Asks Slurm.
-    fn asked(job: &str, task: usize) -> Self {
-        let task = format!("{job}_{task}");
-        let mut command = Command::new("scontrol");
-        command.args(["--oneliner", "show", "job", &task]).stdin(Stdio::null());
-        let told = command.output().map(|output| output.stdout).unwrap_or_default();
-        let told = String::from_utf8_lossy(&told);
-        let of = |key: &str| {
-            told.split_whitespace().find_map(|word| word.strip_prefix(key)).map(String::from)
-        };
-        let state = of("JobState=").zip(of("ExitCode=")).map(|(state, code)| [state, code]);
-        Self { task, state }
-    }
-
-    /// True if the program ended by itself, and not well; a limit or a user did not end it.
-    fn has_failed(&self) -> bool {
-        self.state.as_ref().is_some_and(|[state, _]| state == "FAILED")
-    }
-
-    /// Slurm's word, and the last that the task wrote to a file.
-    fn words(&self, file: &std::path::Path) -> String {
-        let task = &self.task;
-        let slurm = match &self.state {
-            Some([state, code]) => format!("  Slurm: job {task} {state}, exit code {code}"),
-            None => format!("  Slurm: job {task} has ended"),
-        };
-        let said = File::open(file).map(|mut file| last_words(&mut file)).unwrap_or_default();
-        if said.is_empty() { slurm } else { format!("{slurm}\n{said}") }
-    }
-}
-
-/// Output of one of Slurm's commands.
-fn run_command(command: &mut Command) -> Result<String, StudyError> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let failed = |message: String| StudyError::Slurm { command: name.clone(), message };
-    let output =
-        command.stdin(Stdio::null()).output().map_err(|error| failed(error.to_string()))?;
-    if output.status.success() {
-        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
-    }
-    let said = String::from_utf8_lossy(&output.stderr);
-    Err(failed(format!("{}; {}", said.trim(), output.status)))
+/// All of the user's tasks of arrays that have not ended.
+fn queued_tasks() -> Result<BTreeMap<Task, QueuedJob>, StudyError> {
+    let task = |queued: QueuedJob| Some(((queued.script.clone(), queued.task?), queued));
+    Ok(queued()?.into_iter().filter_map(task).collect())
 }
 
 #[cfg(test)]
@@ -457,17 +371,5 @@ mod tests {
         assert!(!text.contains("singleton"));
         (array.at_once, array.in_turn) = (None, true);
         assert!(array.text().contains("--array=1-12\n") && array.text().contains("singleton"));
-    }
-
-    #[test]
-    fn tasks_are_read_from_the_queue() {
-        let task = |line| task_of_line(line);
-        let found = |job: &str, number, state| {
-            Some((("/a b/1.sh".into(), number), QueuedTask { job: job.into(), state }))
-        };
-        assert_eq!(task("17 3 RUNNING /a b/1.sh"), found("17", 3, TaskState::Running));
-        assert_eq!(task("17 4 PENDING /a b/1.sh"), found("17", 4, TaskState::Waiting));
-        assert_eq!(task("18 N/A RUNNING /a b/1.sh"), None);
-        assert_eq!(task(""), None);
     }
 }
