@@ -69,8 +69,25 @@ impl<T: CollisionKernel> CollideAndStream<T> {
         }
     }
 
-    /// Collides and streams all fluid cells.
+    /// Collides and streams all fluid cells: first those that this rank counts, while copies of others' may still be
+    /// on their way.
     pub fn step(&mut self, lattice: &mut LatticeState<T>, exec: &mut Execution) {
+        let own = lattice.layout.own_blocks();
+        self.collide(own.clone(), lattice, exec);
+        lattice.end_refresh(&mut exec.ranks);
+        self.collide(0..own.start, lattice, exec);
+        self.collide(own.end..self.blocks.len(), lattice, exec);
+        let (field, fluid, tally) = (&lattice.field, lattice.flags.fluid_bits(), &self.tally);
+        if tally.is_late() {
+            exec.team.for_each(&mut self.blocks, |number, block| {
+                tally.sum_late(field, fluid, number, &mut block.reflected);
+            });
+        }
+        self.join_statistics(lattice, exec);
+    }
+
+    /// Collides and streams the fluid cells of some blocks.
+    fn collide(&mut self, blocks: Range<usize>, lattice: &LatticeState<T>, exec: &mut Execution) {
         let sweep = Sweep {
             field: &lattice.field,
             places: &lattice.layout.places,
@@ -82,20 +99,15 @@ impl<T: CollisionKernel> CollideAndStream<T> {
         };
         let (kernel, stride) = (self.kernel, lattice.layout.places.stride());
         let (variant, flags) = (exec.variant, &lattice.flags);
-        exec.team.for_each(&mut self.blocks, |number, block| {
+        let first = blocks.start;
+        exec.team.for_each(&mut self.blocks[blocks], |number, block| {
+            let number = first + number;
             // SAFETY: the variant was checked when the kernel was chosen; blocks are disjoint, and
             // so are the places of their cells; all tables were made for these cells; nothing else
             // runs.
             unsafe { kernel(&sweep, number, block) };
             block.halfway.feel(variant, sweep.field, stride, flags);
         });
-        let (field, fluid, tally) = (&lattice.field, lattice.flags.fluid_bits(), &self.tally);
-        if tally.is_late() {
-            exec.team.for_each(&mut self.blocks, |number, block| {
-                tally.sum_late(field, fluid, number, &mut block.reflected);
-            });
-        }
-        self.join_statistics(lattice, exec);
     }
 
     /// Finds the statistics of the fluid as it stands, without a collision.

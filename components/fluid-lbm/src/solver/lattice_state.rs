@@ -79,11 +79,18 @@ impl<T: Real> LatticeState<T> {
         }
     }
 
-    /// Brings the copies of other ranks' cells up to date.
-    pub fn refresh_copies(&mut self, ranks: &mut Ranks) {
+    /// Begins to bring the copies of other ranks' cells up to date. Until [`LatticeState::end_refresh`] nothing may look
+    /// at copies; own cells may collide.
+    pub fn begin_refresh(&mut self, ranks: &mut Ranks) {
         let Some(way) = ranks.way() else { return };
         let Self { layout, field, flags, parity, halo, .. } = self;
         halo.begin(layout, (field, flags), *parity, way);
+    }
+
+    /// Ends it, if it is under way.
+    pub fn end_refresh(&mut self, ranks: &mut Ranks) {
+        let Some(way) = ranks.way() else { return };
+        let Self { layout, field, flags, parity, halo, .. } = self;
         halo.end(layout, (field, flags), *parity, way);
     }
 

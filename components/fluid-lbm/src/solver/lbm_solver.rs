@@ -190,6 +190,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
 
     /// See [`crate::LbmFluid::set_state`].
     pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
+        self.lattice.end_refresh(&mut self.exec.ranks);
         self.lattice.set_state(state);
         self.faces.fill_reservoirs(&self.lattice, &mut self.exec.ranks);
         self.collision.measure(&mut self.lattice, &mut self.exec);
@@ -202,6 +203,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
     pub fn start(&mut self, states: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.list.check(states, loads.len())?;
         self.bodies.awaited.check()?;
+        self.lattice.end_refresh(&mut self.exec.ranks);
         self.budget.begin(&self.bodies.list.leaving);
         self.update_cover(states);
         self.pinched.find(&self.lattice);
@@ -227,6 +229,10 @@ impl<T: CollisionKernel> LbmSolver<T> {
     fn advance(&mut self, states: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.list.check(states, loads.len())?;
         self.bodies.awaited.check()?;
+        if !self.faces.is_empty() {
+            // Faces look at the cells inside.
+            self.lattice.end_refresh(&mut self.exec.ranks);
+        }
         // dH/dt = v_p: the piston's way makes the density at its face (Mutabaruka & Kamrin 2018,
         // Eqs. 29, 30).
         self.faces.begin(&self.lattice, &mut self.exec)?;
@@ -251,13 +257,18 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.faces.apply(&self.lattice, &self.walls, &mut self.exec)?;
         // j(t + 1) = -j(t) where nothing flows through: the mean of both (Zanetti 1989).
         self.pinched.calm(&self.lattice);
-        self.lattice.refresh_copies(&mut self.exec.ranks);
+        // It ends where the next step looks at copies: mostly when own cells have collided.
+        self.lattice.begin_refresh(&mut self.exec.ranks);
         // F = sum g_i (c_i - u_w) - f_i' (c_i' - u_w) (Wen et al. 2014), gaps, images, buoyancy.
         self.assemble_loads(loads);
         self.close_budget(true);
         // Interpolation keeps no mass: what walls and bodies took, the coming steps pay.
         self.settle_accounts();
         self.budget.count_lost(&self.lattice, &self.walls, &self.bodies);
+        if self.probes.looks_now(self.lattice.steps) {
+            // Sections look at cells on both sides.
+            self.lattice.end_refresh(&mut self.exec.ranks);
+        }
         let before = self.lattice.before();
         let (flags, bodies, now) = (&self.lattice.flags, &self.bodies.list, &self.walls.now[..]);
         let sight = Sight { before, flags, bodies, now };
@@ -274,6 +285,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         if !moved && !gaps.modelled.is_fresh() {
             return;
         }
+        // What joins the fluid takes from the cells around.
+        lattice.end_refresh(&mut exec.ranks);
         let all_want = collision.requests.begin();
         let outgrown = bodies.rasterise(lattice, &collision.requests, all_want, exec);
         bodies.claim_cells(&mut lattice.flags);
@@ -413,6 +426,13 @@ impl<T: CollisionKernel> LbmSolver<T> {
             + self.faces.bytes()
             + self.gaps.bytes()
             + self.pinched.bytes()
+    }
+}
+
+impl<T: CollisionKernel> Drop for LbmSolver<T> {
+    /// What is under way to other ranks, and from them, keeps its place in memory until it is there.
+    fn drop(&mut self) {
+        self.lattice.end_refresh(&mut self.exec.ranks);
     }
 }
 

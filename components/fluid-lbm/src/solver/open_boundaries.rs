@@ -41,6 +41,11 @@ impl<T: Real> OpenBoundaries<T> {
         }
     }
 
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty() && self.reservoirs.is_empty() && self.surfaces.is_empty()
+    }
+
     /// All schemes; reservoirs first, because other faces read the cells inside.
     fn schemes(&mut self) -> impl Iterator<Item = &mut dyn FaceScheme<T>> {
         let reservoirs = self.reservoirs.iter_mut().map(|face| face as &mut dyn FaceScheme<T>);

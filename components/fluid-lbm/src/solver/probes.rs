@@ -93,6 +93,11 @@ impl Probes {
         }
     }
 
+    /// True if it is the turn of sections to be looked at.
+    pub fn looks_now(&self, steps: u64) -> bool {
+        self.every.is_some_and(|every| steps.is_multiple_of(every))
+    }
+
     /// Looks at what passes sections at the end of a step, if it is their turn.
     pub fn look<T: Real>(
         &mut self,
@@ -100,7 +105,7 @@ impl Probes {
         sight: &Sight<T>,
         steps: u64,
     ) {
-        if !self.every.is_some_and(|every| steps.is_multiple_of(every)) {
+        if !self.looks_now(steps) {
             return;
         }
         team.for_each(&mut self.crossings, |_, crossing| crossing.look(sight));
