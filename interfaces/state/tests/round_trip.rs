@@ -206,7 +206,7 @@ impl Share {
             let held = own.start.saturating_sub(5)..(own.end + 5).min(rows);
             // The table goes on from its end to its beginning.
             let wraps = [0..3, held.start.max(3)..held.end];
-            let held = if held.start > 3 { wraps.to_vec() } else { vec![held] };
+            let held = if held.start > 3 { wraps.to_vec() } else { Vec::from([held]) };
             let part = StatePart { number: share as u32, of: shares as u32 };
             Self::of(part, rows, own, held)
         })

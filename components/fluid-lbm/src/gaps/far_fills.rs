@@ -39,14 +39,13 @@ impl<'a> FarFills<'a> {
         let mut closed = Vec::new();
         loop {
             let mut wanted = BTreeSet::new();
-            fills.retain_mut(|fill| match self.go_on(fill) {
-                Some(cell) => wanted.insert(i64::from(cell)) || true,
-                None => {
-                    if fill.next == fill.cells.len() {
-                        closed.extend(fill.cells.iter().map(|&cell| i64::from(cell)));
-                    }
-                    false
+            fills.retain_mut(|fill| {
+                let unknown = self.go_on(fill);
+                if unknown.is_none() && fill.next == fill.cells.len() {
+                    closed.extend(fill.cells.iter().map(|&cell| i64::from(cell)));
                 }
+                wanted.extend(unknown.map(i64::from));
+                unknown.is_some()
             });
             let wanted: Vec<i64> = wanted.into_iter().collect();
             let asked = ranks.collect(&wanted);

@@ -39,4 +39,11 @@ pub trait Communicator: Send {
 
     /// Gives all ranks the bytes of rank 0.
     fn broadcast(&mut self, bytes: &mut Vec<u8>);
+
+    /// Gives all ranks the bytes of all, one after the other in the order of the ranks.
+    fn gather_to_all(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut all = self.gather(bytes).concat();
+        self.broadcast(&mut all);
+        all
+    }
 }

@@ -152,10 +152,7 @@ impl Ranks {
     /// Bytes of all ranks, one after the other in the order of the ranks.
     pub fn gather_to_all(&self, bytes: &[u8]) -> Vec<u8> {
         let Some(way) = &self.way else { return bytes.to_vec() };
-        let mut way = way.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut all = way.gather(bytes).concat();
-        way.broadcast(&mut all);
-        all
+        way.lock().unwrap_or_else(PoisonError::into_inner).gather_to_all(bytes)
     }
 
     /// Bytes of all ranks, in the order of the ranks, on rank 0; nothing on others.
