@@ -12,9 +12,9 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Grains that stream around a part that moves and turns, a part that stands still, and probes: 54,000 cells.
-const STREAM: &str = r#"
+pub const STREAM: &str = r#"
 [run]
-until = "30 ms"
+until = "50 ms"
 
 [scene]
 gravity = ["0.4 m/s2", "0 m/s2", "-9.81 m/s2"]
@@ -72,7 +72,7 @@ frames = "2 ms"
 "#;
 
 /// The same on so many ranks, which have so long to answer.
-fn on_ranks(text: &str, ranks: usize, deadline: &str) -> String {
+pub fn on_ranks(text: &str, ranks: usize, deadline: &str) -> String {
     let launcher = std::env::var("TREMIE_MPIEXEC").unwrap_or_else(|_| "mpiexec".into());
     format!(
         "{}\n[settings.fluid-lbm-mpi]\nlaunch = [\"{launcher}\", \"-n\", \"{ranks}\"]\ndeadline = \"{deadline}\"\n",
@@ -81,7 +81,7 @@ fn on_ranks(text: &str, ranks: usize, deadline: &str) -> String {
 }
 
 /// Lets Open MPI start more ranks than there are cores, as root; MPICH does without asking.
-fn allow_ranks() {
+pub fn allow_ranks() {
     for (name, value) in [
         ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
         ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
@@ -93,13 +93,29 @@ fn allow_ranks() {
     }
 }
 
+/// Windows of a comparison, at least.
+pub const WINDOWS: u64 = 1000;
+
+/// The same signals and messages, in all windows of both runs.
 #[track_caller]
 fn assert_same(one: &Ran, other: &Ran, about: &str) {
-    let (a, b) = (one.signals_text(), other.signals_text());
+    assert_same_outputs(&one.out, &other.out, about);
+}
+
+/// The same of runs with their outputs in these folders.
+#[track_caller]
+pub fn assert_same_outputs(one: &Path, other: &Path, about: &str) {
+    for out in [one, other] {
+        let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+        let summary: Value = serde_json::from_str(&summary).unwrap();
+        let windows = summary["windows"].as_u64().unwrap();
+        assert!(windows >= WINDOWS, "{about}: {windows} windows, expected at least {WINDOWS}");
+    }
+    let signals = |out: &Path| std::fs::read_to_string(out.join("signals.csv")).unwrap();
+    let (a, b) = (signals(one), signals(other));
     let line = a.lines().zip(b.lines()).position(|(a, b)| a != b);
     assert_eq!(line, None, "{about}: the tables differ from this line on");
-    let folders = [&one.out, &other.out];
-    let differ = tremie().arg("diff").args(folders).output().unwrap();
+    let differ = tremie().arg("diff").args([one, other]).output().unwrap();
     let said = String::from_utf8_lossy(&differ.stdout).into_owned();
     assert!(said.contains("equal: "), "{about}: {said}");
 }
@@ -201,7 +217,7 @@ fn disturbed(signal: &str, target: Option<usize>) -> (String, Duration) {
     allow_ranks();
     let home = tempfile::tempdir().unwrap();
     let (manifest, out) = (home.path().join("manifest.toml"), home.path().join("out"));
-    let text = on_ranks(STREAM, 4, "2 s").replace("until = \"30 ms\"", "until = \"100 s\"");
+    let text = on_ranks(STREAM, 4, "2 s").replace("until = \"50 ms\"", "until = \"100 s\"");
     std::fs::write(&manifest, text).unwrap();
     let mut command: Command = tremie();
     command.arg("run").arg(&manifest).arg("--out").arg(&out);

@@ -1,6 +1,7 @@
 //! Rank 0: the component that the run knows.
 
 use crate::calls::Call;
+use crate::fault_line::FaultLine;
 use crate::mpi_ranks::MpiRanks;
 use std::cell::RefCell;
 use std::process::ExitCode;
@@ -12,7 +13,7 @@ use tremie_sdk::messages::start::{Description, VolumeGrid};
 use tremie_sdk::messages::units::Time;
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Place, PortState, Problem, bytes_of};
 use tremie_sdk::state::{StateError, StateExchange, StatePart};
-use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
+use tremie_sdk::{AsFluid, Fluid, Participant, Setup, SolverError};
 
 /// Key of the ranks' deadline among the settings.
 const DEADLINE: &str = "deadline";
@@ -33,9 +34,14 @@ struct MpiFluid {
 
 /// Takes part in the run, and ends the other ranks with it.
 pub fn main(ranks: MpiRanks) -> ExitCode {
+    type Component = AsFluid<MpiFluid>;
     RANKS.set(Some(ranks.clone()));
-    let code = tremie_sdk::main::<AsFluid<MpiFluid>>();
     let mut ranks = ranks;
+    let role = Component::ROLE.name();
+    let code = tremie_sdk::main_of(&Component::program(), role, |line| {
+        ranks.set_line(FaultLine::new(line.replier()));
+        tremie_sdk::run::<Component>(line)
+    });
     ranks.broadcast(&mut Call::Quit.with(&[]));
     code
 }
@@ -97,6 +103,9 @@ impl Fluid for MpiFluid {
         let ranks = ranks()?;
         let (mut of_lattice, deadline) = split(setup)?;
         ranks.set_deadline(deadline);
+        let begun = setup.assigned()?.resume.as_ref().filter(|resume| !resume.bodies_only);
+        let window = begun.map_or(0, |resume| resume.window);
+        ranks.on_line(|line| line.begin(&setup.hello.component, window));
         // The ranks of a host share the threads that the component has there.
         let threads = of_lattice.hello.threads / ranks.on_this_host() as u32;
         of_lattice.hello.threads = threads.max(1);
@@ -124,6 +133,7 @@ impl Fluid for MpiFluid {
         bodies: &[BodyState],
         loads: &mut [Load],
     ) -> Result<(), SolverError> {
+        self.ranks.borrow().on_line(FaultLine::next_window);
         self.call(&Call::Advance { substeps }, bytes_of(bodies));
         self.share.advance(substeps, bodies, loads)
     }

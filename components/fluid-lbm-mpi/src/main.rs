@@ -10,6 +10,10 @@ use std::process::ExitCode;
 #[cfg(feature = "mpi")]
 mod calls;
 #[cfg(feature = "mpi")]
+mod daemon;
+#[cfg(feature = "mpi")]
+mod fault_line;
+#[cfg(feature = "mpi")]
 mod first_rank;
 #[cfg(feature = "mpi")]
 mod mpi_ranks;

@@ -3,6 +3,8 @@
 //! No wait is MPI's own, which has no end: all that ranks send is sent without waiting, and asked after until it is
 //! there or the deadline has passed. Then rank 0 finds out who does not answer, says so, and ends all ranks.
 
+use crate::daemon::end_daemon;
+use crate::fault_line::FaultLine;
 use mpi::collective::SystemOperation;
 use mpi::environment::Universe;
 use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
@@ -45,6 +47,8 @@ struct Common {
     /// Host and process of each rank.
     names: Vec<String>,
     deadline: RefCell<Duration>,
+    /// Rank 0's way to tell the run of a fault.
+    line: RefCell<Option<FaultLine>>,
 }
 
 // SAFETY: the handles are used by one thread at a time, the one that computes; MPI was asked to allow that thread to
@@ -70,6 +74,7 @@ impl MpiRanks {
             ranks: world.size(),
             names: Vec::new(),
             deadline: RefCell::new(Duration::from_secs(60)),
+            line: RefCell::new(None),
         };
         let mut ranks = Self { common: Rc::new(common), swap: Rc::default() };
         let own = format!("{host}\n{}", std::process::id());
@@ -121,6 +126,16 @@ impl MpiRanks {
         let later = deadline.mul_f64(1.5) + 5 * ANSWER_TIME;
         let patience = if self.is_first() { deadline } else { later };
         *self.common.deadline.borrow_mut() = patience;
+    }
+
+    /// Sets the line on which rank 0 tells the run that it gives up.
+    pub fn set_line(&self, line: FaultLine) {
+        *self.common.line.borrow_mut() = Some(line);
+    }
+
+    /// Does something with that line.
+    pub fn on_line(&self, change: impl FnMut(&mut FaultLine)) {
+        self.common.line.borrow_mut().as_mut().into_iter().for_each(change);
     }
 
     /// The next broadcast of rank 0, however long that takes: it is waiting for the run.
@@ -232,15 +247,23 @@ impl MpiRanks {
         let missing = if self.is_first() { self.missing() } else { vec![0] };
         let all: Vec<_> = missing.iter().map(|&rank| self.name(rank)).collect();
         let who = if all.is_empty() { "some rank".into() } else { all.join(", ") };
-        tracing_error(&format!(
+        let text = format!(
             "{who} has not answered for {seconds:.0} s: it hangs, or its host is out of reach. \
              `deadline` in settings.fluid-lbm-mpi allows more time"
-        ));
-        // Where MPI cannot end the others, the launcher does when this process ends.
-        std::thread::spawn(|| {
+        );
+        tracing_error(&text);
+        self.on_line(|line| line.tell(&text));
+        // Where MPI cannot end the others, the launcher does when this process ends; or the run ends the launcher,
+        // which passes these words on before.
+        let is_first = self.is_first();
+        std::thread::spawn(move || {
             std::thread::sleep(Duration::from_secs(2));
+            if !is_first {
+                end_daemon();
+            }
             std::process::exit(3);
         });
+        std::thread::sleep(Duration::from_millis(100));
         // SAFETY: ends all processes of the world, this one among them.
         unsafe {
             ffi::MPI_Abort(self.common.comm, 3);
