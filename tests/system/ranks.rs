@@ -212,6 +212,11 @@ fn ranks_of(out: &Path) -> Vec<u32> {
     ids
 }
 
+/// The last error in a run's log: why it ended. A launcher may say more behind it.
+pub fn last_error(log: &str) -> &str {
+    log.lines().rfind(|line| line.contains("\"level\":\"error\"")).unwrap_or_default()
+}
+
 /// A run that goes on for ever is disturbed: a signal to one of four ranks, or to the orchestrator.
 fn disturbed(signal: &str, target: Option<usize>) -> (String, Duration) {
     allow_ranks();
@@ -259,7 +264,7 @@ fn a_rank_that_dies_ends_the_run_and_is_named() {
     for rank in [0, 1, 3] {
         let (errors, took) = disturbed("-KILL", Some(rank));
         assert!(took < Duration::from_secs(5), "rank {rank}: {took:?}");
-        let last = errors.lines().last().unwrap_or_default();
+        let last = last_error(&errors);
         assert!(last.contains("rank ") || last.contains(" RUNNING AT "), "rank {rank}: {last}");
     }
 }
@@ -271,7 +276,7 @@ fn a_rank_that_hangs_ends_the_run_within_its_deadline() {
         let (errors, took) = disturbed("-STOP", Some(rank));
         // The deadline, and a second in which the rank may say that it is there.
         assert!(took < Duration::from_secs(8), "rank {rank}: {took:?}");
-        let last = errors.lines().last().unwrap_or_default();
+        let last = last_error(&errors);
         let named = last.contains(&format!("rank {rank} on ")) && last.contains("has not answered");
         assert!(named, "rank {rank}: {last}");
     }

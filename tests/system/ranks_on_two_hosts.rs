@@ -3,7 +3,7 @@
 //!
 //! It needs Open MPI, iproute2 and root. The hosts are name spaces of this machine.
 
-use crate::ranks::{STREAM, allow_ranks, assert_same_outputs, on_ranks};
+use crate::ranks::{STREAM, allow_ranks, assert_same_outputs, last_error, on_ranks};
 use crate::running::{Running, send, until};
 use crate::tremie::run_text;
 use crate::two_hosts::TwoHosts;
@@ -117,7 +117,7 @@ fn try_one(what: Disturbance, random: u64) -> [Duration; 2] {
     let code = spread.run.wait(Duration::from_secs(60));
     let took = begin.elapsed();
     let log = spread.log();
-    let last = log.lines().last().unwrap_or_default();
+    let last = last_error(&log);
     assert_eq!(code, Some(1), "{about}: {last}");
     assert!(words.iter().all(|words| last.contains(words)), "{about}: {words:?} not in {last}");
     assert!(took < IN_TIME, "{about}: it took {took:?}");

@@ -253,17 +253,17 @@ impl MpiRanks {
         );
         tracing_error(&text);
         self.on_line(|line| line.tell(&text));
-        // Where MPI cannot end the others, the launcher does when this process ends; or the run ends the launcher,
-        // which passes these words on before.
-        let is_first = self.is_first();
-        std::thread::spawn(move || {
+        // The launcher passes these words on before it ends, or is ended.
+        std::thread::sleep(Duration::from_millis(100));
+        if !self.is_first() {
+            // MPI would ask the daemon to end all, and it would ask a launcher that may be out of reach.
+            end_daemon();
+        }
+        // Where MPI cannot end the others, the launcher does when this process ends; or the run ends the launcher.
+        std::thread::spawn(|| {
             std::thread::sleep(Duration::from_secs(2));
-            if !is_first {
-                end_daemon();
-            }
             std::process::exit(3);
         });
-        std::thread::sleep(Duration::from_millis(100));
         // SAFETY: ends all processes of the world, this one among them.
         unsafe {
             ffi::MPI_Abort(self.common.comm, 3);
