@@ -14,6 +14,9 @@ mod daemon;
 #[path = "../src/fault_line.rs"]
 mod fault_line;
 #[cfg(feature = "mpi")]
+#[path = "../src/kept_memory.rs"]
+mod kept_memory;
+#[cfg(feature = "mpi")]
 #[allow(dead_code, reason = "the program uses the rest")]
 #[path = "../src/mpi_ranks.rs"]
 mod mpi_ranks;
@@ -95,6 +98,8 @@ mod timed {
 }
 
 fn main() {
+    #[cfg(feature = "mpi")]
+    kept_memory::keep_memory();
     #[cfg(feature = "mpi")]
     if let Some((universe, _)) = mpi::initialize_with_threading(mpi::Threading::Serialized) {
         timed::all(&mut mpi_ranks::MpiRanks::join(&universe));

@@ -11,6 +11,7 @@ use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
 use mpi::traits::{AsRaw, Communicator as _, Equivalence};
 use std::cell::RefCell;
 use std::ffi::{c_int, c_void};
+use std::mem::MaybeUninit;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 use tremie_fluid_lbm::{Communicator, Parcel};
@@ -21,6 +22,8 @@ const PARCEL: c_int = 1;
 const ASK: c_int = 2;
 /// See `ASK`.
 const ANSWER: c_int = 3;
+/// Tag of what rank 0 gathers.
+const GATHER: c_int = 4;
 
 /// Longest wait for the answer of a rank that is asked whether it is there.
 const ANSWER_TIME: Duration = Duration::from_secs(1);
@@ -247,8 +250,9 @@ impl MpiRanks {
         let missing = if self.is_first() { self.missing() } else { vec![0] };
         let all: Vec<_> = missing.iter().map(|&rank| self.name(rank)).collect();
         let who = if all.is_empty() { "some rank".into() } else { all.join(", ") };
+        let have = if all.len() > 1 { "have" } else { "has" };
         let text = format!(
-            "{who} has not answered for {seconds:.0} s: it hangs, or its host is out of reach. \
+            "{who} {have} not answered for {seconds:.0} s: a rank hangs, or its host is out of reach. \
              `deadline` in settings.fluid-lbm-mpi allows more time"
         );
         tracing_error(&text);
@@ -310,10 +314,10 @@ impl MpiRanks {
         self.wait(std::slice::from_mut(&mut request), self.patience());
     }
 
-    /// Broadcasts so many bytes of rank 0.
-    fn broadcast_bytes(&self, bytes: &mut [u8], deadline: Option<Duration>) {
+    /// Broadcasts so many bytes of rank 0; all of the room has been written when this is back.
+    fn broadcast_bytes(&self, bytes: &mut [MaybeUninit<u8>], deadline: Option<Duration>) {
         let mut request = no_request();
-        // SAFETY: the buffer lives until the request is done, below.
+        // SAFETY: the buffer lives until the request is done, below; that of rank 0 has values (callers).
         unsafe {
             ffi::MPI_Ibcast(
                 bytes.as_mut_ptr().cast(),
@@ -332,14 +336,29 @@ impl MpiRanks {
         let short = bytes.len().min(SHORT);
         head[..8].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
         head[8..8 + short].copy_from_slice(&bytes[..short]);
-        self.broadcast_bytes(&mut head, deadline);
+        let mut told = head.map(MaybeUninit::new);
+        self.broadcast_bytes(&mut told, deadline);
+        // SAFETY: it had values before, and other ones now.
+        let head = told.map(|byte| unsafe { byte.assume_init() });
         let (length, inside) = head.split_at(8);
         let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
-        bytes.resize(length, 0);
         let short = length.min(SHORT);
-        bytes[..short].copy_from_slice(&inside[..short]);
+        if !self.is_first() {
+            bytes.clear();
+            bytes.extend_from_slice(&inside[..short]);
+            bytes.reserve_exact(length - short);
+        }
         if length > SHORT {
-            self.broadcast_bytes(&mut bytes[SHORT..], self.patience());
+            // Rank 0 has so many bytes, others room for them.
+            bytes.truncate(short);
+            self.broadcast_bytes(
+                &mut bytes.spare_capacity_mut()[..length - short],
+                self.patience(),
+            );
+        }
+        // SAFETY: on rank 0 they are what they were; elsewhere the broadcast has written all behind the short ones.
+        unsafe {
+            bytes.set_len(length);
         }
     }
 }
@@ -416,40 +435,40 @@ impl Communicator for MpiRanks {
         let mut counts = vec![0_i64; ranks as usize];
         counts[rank as usize] = bytes.len() as i64;
         self.add_up(&mut counts);
-        let mut places: Vec<c_int> = Vec::with_capacity(counts.len());
-        let mut all = 0;
-        for count in &counts {
-            places.push(all);
-            all += *count as c_int;
-        }
-        let counts: Vec<c_int> = counts.into_iter().map(|count| count as c_int).collect();
-        // Never without an address: that of an empty list may be one which means something else to MPI.
-        let mut room = vec![0_u8; if rank == 0 { all as usize } else { 0 } + 1];
-        let own = [bytes, &[0]].concat();
-        let mut request = no_request();
-        // SAFETY: counts and places are those of the room, which is on rank 0; all live until the request is done.
-        unsafe {
-            ffi::MPI_Igatherv(
-                own.as_ptr().cast(),
-                bytes.len() as c_int,
-                bytes_type(),
-                room.as_mut_ptr().cast(),
-                counts.as_ptr(),
-                places.as_ptr(),
-                bytes_type(),
-                0,
-                comm,
-                &mut request,
-            );
-        }
-        self.wait(std::slice::from_mut(&mut request), self.patience());
+        let mut requests = Vec::new();
         if rank != 0 {
+            let count = bytes.len() as c_int;
+            let mut request = no_request();
+            // SAFETY: the bytes live until the request is done, below.
+            unsafe {
+                let bytes = bytes.as_ptr().cast::<c_void>();
+                ffi::MPI_Isend(bytes, count, bytes_type(), 0, GATHER, comm, &mut request);
+            }
+            self.wait(std::slice::from_mut(&mut request), self.patience());
             return Vec::new();
         }
-        let of_rank = |(&first, &count): (&c_int, &c_int)| {
-            room[first as usize..(first + count) as usize].to_vec()
-        };
-        places.iter().zip(&counts).map(of_rank).collect()
+        // What comes is written where it stays.
+        let mut all: Vec<Vec<u8>> =
+            counts.iter().map(|&count| Vec::with_capacity(count as usize)).collect();
+        for (from, room) in (0..).zip(&mut all).skip(1) {
+            let count = counts[from as usize] as c_int;
+            let mut request = no_request();
+            // SAFETY: there is room for as many bytes; it keeps its place until the requests are done, below.
+            unsafe {
+                let room = room.as_mut_ptr().cast::<c_void>();
+                ffi::MPI_Irecv(room, count, bytes_type(), from, GATHER, comm, &mut request);
+            }
+            requests.push(request);
+        }
+        all[0].extend_from_slice(bytes);
+        self.wait(&mut requests, self.patience());
+        for (room, &count) in all.iter_mut().zip(&counts).skip(1) {
+            // SAFETY: so many bytes have come, and there was room for them.
+            unsafe {
+                room.set_len(count as usize);
+            }
+        }
+        all
     }
 
     fn broadcast(&mut self, bytes: &mut Vec<u8>) {
