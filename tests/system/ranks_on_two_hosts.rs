@@ -130,6 +130,33 @@ fn try_one(what: Disturbance, random: u64) -> [Duration; 2] {
     [took, took + empty]
 }
 
+/// Beyond the link all wait for a call, which does not come because the grains are stopped. Then only the daemons can find the
+/// cut.
+#[test]
+#[ignore = "it needs MPI, and root for network name spaces"]
+fn a_link_that_is_cut_while_ranks_wait_for_a_call_ends_them() {
+    allow_ranks();
+    let hosts = TwoHosts::make();
+    let text = STREAM.replace("until = \"50 ms\"", "until = \"100 s\"\ndeadline = \"60 s\"");
+    let mut spread = Spread::begin(&hosts, &text, "out");
+    let components = crate::running::children_of(spread.run.id());
+    let is_grains = |id: &u32| {
+        let words = std::fs::read_to_string(format!("/proc/{id}/cmdline")).unwrap_or_default();
+        words.contains("grains-dem")
+    };
+    send(components.into_iter().find(is_grains).unwrap(), "-STOP");
+    // The window under way is over.
+    std::thread::sleep(Duration::from_secs(2));
+    hosts.cut();
+    let begin = Instant::now();
+    assert_eq!(spread.run.wait(BEYOND), Some(1));
+    let log = spread.log();
+    let last = last_error(&log);
+    assert!(last.contains("Remote daemon: ") && last.contains("on node far"), "{last}");
+    let empty = hosts.wait_until_empty(BEYOND, "cut while ranks wait");
+    println!("ended after {:.1?}, nothing left {empty:.1?} later", begin.elapsed() - empty);
+}
+
 /// Median and longest of some times.
 fn told(mut times: Vec<Duration>) -> String {
     times.sort_unstable();
