@@ -56,7 +56,7 @@ pub struct SharedRows {
 impl SharedRows {
     /// All rows.
     pub fn whole(all: usize) -> Self {
-        Self { all, own: 0..all, held: vec![0..all] }
+        Self { all, own: 0..all, held: std::iter::once(0..all).collect() }
     }
 
     /// What it wants back of some rows.
