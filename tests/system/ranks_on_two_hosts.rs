@@ -66,6 +66,7 @@ fn ranks_on_two_hosts_have_the_bits_of_one_process() {
         let cell = "cell = \"0.5 mm\"";
         let text = STREAM.replace(cell, &format!("{cell}\nprecision = \"{precision}\""));
         let alone = run_text(&text, &[]).succeeded();
+        assert!(alone.summary()["windows"].as_u64() >= Some(1000), "too short a run to tell");
         let mut spread = Spread::begin(&hosts, &text, precision);
         assert_eq!(spread.run.wait(Duration::from_secs(600)), Some(0), "{}", spread.log());
         assert_same_outputs(&alone.out, &spread.out, &format!("two hosts, {precision}"));
