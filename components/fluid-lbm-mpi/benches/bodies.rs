@@ -44,7 +44,7 @@ mod timed {
         ranks.add_up(&mut [0]);
         let begin = Instant::now();
         let got: Vec<BodyState> = if ranks.is_first() {
-            ranks.broadcast(&mut [&[0; 8][..], bytes_of(&bodies)].concat());
+            ranks.tell(&[0; 8], bytes_of(&bodies));
             bodies
         } else {
             values_of(&ranks.wait_for_call()[8..]).unwrap_or_default()

@@ -29,20 +29,19 @@ thread_local! {
 /// The fluid on all ranks, as rank 0 has it.
 struct MpiFluid {
     share: LbmComponent,
-    ranks: RefCell<MpiRanks>,
+    ranks: MpiRanks,
 }
 
 /// Takes part in the run, and ends the other ranks with it.
 pub fn main(ranks: MpiRanks) -> ExitCode {
     type Component = AsFluid<MpiFluid>;
     RANKS.set(Some(ranks.clone()));
-    let mut ranks = ranks;
     let role = Component::ROLE.name();
     let code = tremie_sdk::main_of(&Component::program(), role, |line| {
         ranks.set_line(FaultLine::new(line.replier()));
         tremie_sdk::run::<Component>(line)
     });
-    ranks.broadcast(&mut Call::Quit.with(&[]));
+    ranks.tell(&Call::Quit.head(), &[]);
     code
 }
 
@@ -77,7 +76,7 @@ fn split(setup: &Setup) -> Result<(Setup, Duration), Vec<Problem>> {
 impl MpiFluid {
     /// Has all other ranks make a call.
     fn call(&self, call: &Call, behind: &[u8]) {
-        self.ranks.borrow_mut().broadcast(&mut call.with(behind));
+        self.ranks.tell(&call.head(), behind);
     }
 }
 
@@ -112,9 +111,9 @@ impl Fluid for MpiFluid {
         let wrong = |error: serde_json::Error| vec![Problem::new("", error.to_string())];
         let all = (&of_lattice.hello, of_lattice.assigned()?, deadline.as_secs_f64());
         let text = serde_json::to_vec(&all).map_err(wrong)?;
-        ranks.clone().broadcast(&mut Call::Create.with(&text));
+        ranks.tell(&Call::Create.head(), &text);
         let share = LbmComponent::along(&of_lattice, Some(Box::new(ranks.clone())))?;
-        Ok(Self { share, ranks: RefCell::new(ranks) })
+        Ok(Self { share, ranks })
     }
 
     fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
@@ -133,7 +132,7 @@ impl Fluid for MpiFluid {
         bodies: &[BodyState],
         loads: &mut [Load],
     ) -> Result<(), SolverError> {
-        self.ranks.borrow().on_line(FaultLine::next_window);
+        self.ranks.on_line(FaultLine::next_window);
         self.call(&Call::Advance { substeps }, bytes_of(bodies));
         self.share.advance(substeps, bodies, loads)
     }
@@ -153,7 +152,7 @@ impl Fluid for MpiFluid {
             self.call(&Call::PutBack, &text);
         } else {
             self.call(&Call::Keep, &text);
-            state.keep_part(part_of(&self.ranks.borrow()));
+            state.keep_part(part_of(&self.ranks));
         }
         self.share.exchange_state(state)
     }

@@ -11,7 +11,6 @@ use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
 use mpi::traits::{AsRaw, Communicator as _, Equivalence};
 use std::cell::RefCell;
 use std::ffi::{c_int, c_void};
-use std::mem::MaybeUninit;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 use tremie_fluid_lbm::{Communicator, Parcel};
@@ -142,10 +141,8 @@ impl MpiRanks {
     }
 
     /// The next broadcast of rank 0, however long that takes: it is waiting for the run.
-    pub fn wait_for_call(&mut self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        self.broadcast_within(&mut bytes, None);
-        bytes
+    pub fn wait_for_call(&self) -> Vec<u8> {
+        self.hear(None)
     }
 
     /// A rank as a user finds it.
@@ -314,52 +311,60 @@ impl MpiRanks {
         self.wait(std::slice::from_mut(&mut request), self.patience());
     }
 
-    /// Broadcasts so many bytes of rank 0; all of the room has been written when this is back.
-    fn broadcast_bytes(&self, bytes: &mut [MaybeUninit<u8>], deadline: Option<Duration>) {
+    /// Broadcasts so many bytes of rank 0, which it reads from there; others write them there.
+    ///
+    /// # Safety
+    /// Rank 0 has as many values there; others have room for as many.
+    unsafe fn broadcast_bytes(&self, bytes: *mut u8, count: usize, deadline: Option<Duration>) {
         let mut request = no_request();
-        // SAFETY: the buffer lives until the request is done, below; that of rank 0 has values (callers).
+        // SAFETY: the buffer lives until the request is done, below (callers).
         unsafe {
-            ffi::MPI_Ibcast(
-                bytes.as_mut_ptr().cast(),
-                bytes.len() as c_int,
-                bytes_type(),
-                0,
-                self.common.comm,
-                &mut request,
-            );
+            let (bytes, count) = (bytes.cast::<c_void>(), count as c_int);
+            ffi::MPI_Ibcast(bytes, count, bytes_type(), 0, self.common.comm, &mut request);
         }
         self.wait(std::slice::from_mut(&mut request), deadline);
     }
 
-    fn broadcast_within(&mut self, bytes: &mut Vec<u8>, deadline: Option<Duration>) {
+    /// Rank 0 broadcasts few bytes and those behind them, which are copied nowhere.
+    pub fn tell(&self, few: &[u8], behind: &[u8]) {
+        if few.len() > SHORT {
+            return self.tell(&[], &[few, behind].concat());
+        }
+        let length = few.len() + behind.len();
+        let inside = behind.len().min(SHORT - few.len());
         let mut head = [0_u8; SHORT + 8];
-        let short = bytes.len().min(SHORT);
-        head[..8].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
-        head[8..8 + short].copy_from_slice(&bytes[..short]);
-        let mut told = head.map(MaybeUninit::new);
-        self.broadcast_bytes(&mut told, deadline);
-        // SAFETY: it had values before, and other ones now.
-        let head = told.map(|byte| unsafe { byte.assume_init() });
+        head[..8].copy_from_slice(&(length as u64).to_le_bytes());
+        head[8..8 + few.len()].copy_from_slice(few);
+        head[8 + few.len()..8 + few.len() + inside].copy_from_slice(&behind[..inside]);
+        let rest = &behind[inside..];
+        // SAFETY: so many values are there, which MPI reads only on rank 0.
+        unsafe {
+            self.broadcast_bytes(head.as_mut_ptr(), head.len(), self.patience());
+            if !rest.is_empty() {
+                self.broadcast_bytes(rest.as_ptr().cast_mut(), rest.len(), self.patience());
+            }
+        }
+    }
+
+    /// What rank 0 broadcasts, on another rank. The wait for its beginning has a deadline of its own.
+    fn hear(&self, deadline: Option<Duration>) -> Vec<u8> {
+        let mut head = [0_u8; SHORT + 8];
+        // SAFETY: there is room for as many.
+        unsafe { self.broadcast_bytes(head.as_mut_ptr(), head.len(), deadline) };
         let (length, inside) = head.split_at(8);
         let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
         let short = length.min(SHORT);
-        if !self.is_first() {
-            bytes.clear();
-            bytes.extend_from_slice(&inside[..short]);
-            bytes.reserve_exact(length - short);
-        }
+        let mut bytes = Vec::with_capacity(length);
+        bytes.extend_from_slice(&inside[..short]);
         if length > SHORT {
-            // Rank 0 has so many bytes, others room for them.
-            bytes.truncate(short);
-            self.broadcast_bytes(
-                &mut bytes.spare_capacity_mut()[..length - short],
-                self.patience(),
-            );
+            let rest = &mut bytes.spare_capacity_mut()[..length - short];
+            // SAFETY: there is room for as many, and all have values then.
+            unsafe {
+                self.broadcast_bytes(rest.as_mut_ptr().cast(), rest.len(), self.patience());
+                bytes.set_len(length);
+            }
         }
-        // SAFETY: on rank 0 they are what they were; elsewhere the broadcast has written all behind the short ones.
-        unsafe {
-            bytes.set_len(length);
-        }
+        bytes
     }
 }
 
@@ -472,6 +477,9 @@ impl Communicator for MpiRanks {
     }
 
     fn broadcast(&mut self, bytes: &mut Vec<u8>) {
-        self.broadcast_within(bytes, self.patience());
+        match self.is_first() {
+            true => self.tell(&[], bytes),
+            false => *bytes = self.hear(self.patience()),
+        }
     }
 }
