@@ -39,12 +39,12 @@ pub enum Call {
 }
 
 impl Call {
-    /// Bytes of the call and what stands behind it.
-    pub fn with(&self, behind: &[u8]) -> Vec<u8> {
+    /// Bytes of the call, before what stands behind it.
+    pub fn head(&self) -> Vec<u8> {
         // It only fails without memory for a few bytes.
         let head = postcard::to_allocvec(self).unwrap_or_default();
         let length = (head.len() as u32).to_le_bytes();
-        [&length[..], &head, behind].concat()
+        [&length[..], &head].concat()
     }
 
     /// The call of such bytes, and what stands behind it.
@@ -68,7 +68,7 @@ mod tests {
             Call::Quit,
         ];
         for call in calls {
-            let bytes = call.with(&[1, 2, 3]);
+            let bytes = [call.head(), vec![1, 2, 3]].concat();
             assert_eq!(Call::read(&bytes), Some((call, &[1, 2, 3][..])));
             assert_eq!(Call::read(&bytes[..3]), None);
         }

@@ -1,6 +1,7 @@
 //! Rank 0: the component that the run knows.
 
 use crate::calls::Call;
+use crate::fault_line::FaultLine;
 use crate::mpi_ranks::MpiRanks;
 use std::cell::RefCell;
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, Place, PortState, Problem, SurfaceVertex, bytes_of,
 };
 use tremie_sdk::state::{StateError, StateExchange, StatePart};
-use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
+use tremie_sdk::{AsFluid, Fluid, Participant, Setup, SolverError};
 
 /// Key of the ranks' deadline among the settings.
 const DEADLINE: &str = "deadline";
@@ -30,15 +31,19 @@ thread_local! {
 /// The fluid on all ranks, as rank 0 has it.
 struct MpiFluid {
     share: LbmComponent,
-    ranks: RefCell<MpiRanks>,
+    ranks: MpiRanks,
 }
 
 /// Takes part in the run, and ends the other ranks with it.
 pub fn main(ranks: MpiRanks) -> ExitCode {
+    type Component = AsFluid<MpiFluid>;
     RANKS.set(Some(ranks.clone()));
-    let code = tremie_sdk::main::<AsFluid<MpiFluid>>();
-    let mut ranks = ranks;
-    ranks.broadcast(&mut Call::Quit.with(&[]));
+    let role = Component::ROLE.name();
+    let code = tremie_sdk::main_of(&Component::program(), role, |line| {
+        ranks.set_line(FaultLine::new(line.replier()));
+        tremie_sdk::run::<Component>(line)
+    });
+    ranks.tell(&Call::Quit.head(), &[]);
     code
 }
 
@@ -73,7 +78,7 @@ fn split(setup: &Setup) -> Result<(Setup, Duration), Vec<Problem>> {
 impl MpiFluid {
     /// Has all other ranks make a call.
     fn call(&self, call: &Call, behind: &[u8]) {
-        self.ranks.borrow_mut().broadcast(&mut call.with(behind));
+        self.ranks.tell(&call.head(), behind);
     }
 }
 
@@ -100,15 +105,18 @@ impl Fluid for MpiFluid {
         let ranks = ranks()?;
         let (mut of_lattice, deadline) = split(setup)?;
         ranks.set_deadline(deadline);
+        let begun = setup.assigned()?.resume.as_ref().filter(|resume| !resume.bodies_only);
+        let window = begun.map_or(0, |resume| resume.window);
+        ranks.on_line(|line| line.begin(&setup.hello.component, window));
         // The ranks of a host share the threads that the component has there.
         let threads = of_lattice.hello.threads / ranks.on_this_host() as u32;
         of_lattice.hello.threads = threads.max(1);
         let wrong = |error: serde_json::Error| vec![Problem::new("", error.to_string())];
         let all = (&of_lattice.hello, of_lattice.assigned()?, deadline.as_secs_f64());
         let text = serde_json::to_vec(&all).map_err(wrong)?;
-        ranks.clone().broadcast(&mut Call::Create.with(&text));
+        ranks.tell(&Call::Create.head(), &text);
         let share = LbmComponent::along(&of_lattice, Some(Box::new(ranks.clone())))?;
-        Ok(Self { share, ranks: RefCell::new(ranks) })
+        Ok(Self { share, ranks })
     }
 
     fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
@@ -127,6 +135,7 @@ impl Fluid for MpiFluid {
         bodies: &[BodyState],
         loads: &mut [Load],
     ) -> Result<(), SolverError> {
+        self.ranks.on_line(FaultLine::next_window);
         self.call(&Call::Advance { substeps }, bytes_of(bodies));
         self.share.advance(substeps, bodies, loads)
     }
@@ -155,7 +164,7 @@ impl Fluid for MpiFluid {
             self.call(&Call::PutBack, &text);
         } else {
             self.call(&Call::Keep, &text);
-            state.keep_part(part_of(&self.ranks.borrow()));
+            state.keep_part(part_of(&self.ranks));
         }
         self.share.exchange_state(state)
     }

@@ -10,7 +10,13 @@ use std::process::ExitCode;
 #[cfg(feature = "mpi")]
 mod calls;
 #[cfg(feature = "mpi")]
+mod daemon;
+#[cfg(feature = "mpi")]
+mod fault_line;
+#[cfg(feature = "mpi")]
 mod first_rank;
+#[cfg(feature = "mpi")]
+mod kept_memory;
 #[cfg(feature = "mpi")]
 mod mpi_ranks;
 #[cfg(feature = "mpi")]
@@ -19,6 +25,7 @@ mod other_ranks;
 #[cfg(feature = "mpi")]
 fn main() -> ExitCode {
     mpi_ranks::end_with_launcher();
+    kept_memory::keep_memory();
     // The component computes on the thread that speaks with the other ranks; only writers of lines have their own.
     let Some((universe, _)) = mpi::initialize_with_threading(mpi::Threading::Serialized) else {
         tremie_sdk::log_line("MPI does not start");

@@ -3,6 +3,8 @@
 //! No wait is MPI's own, which has no end: all that ranks send is sent without waiting, and asked after until it is
 //! there or the deadline has passed. Then rank 0 finds out who does not answer, says so, and ends all ranks.
 
+use crate::daemon::end_daemon;
+use crate::fault_line::FaultLine;
 use mpi::collective::SystemOperation;
 use mpi::environment::Universe;
 use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
@@ -19,6 +21,8 @@ const PARCEL: c_int = 1;
 const ASK: c_int = 2;
 /// See `ASK`.
 const ANSWER: c_int = 3;
+/// Tag of what rank 0 gathers.
+const GATHER: c_int = 4;
 
 /// Longest wait for the answer of a rank that is asked whether it is there.
 const ANSWER_TIME: Duration = Duration::from_secs(1);
@@ -45,6 +49,8 @@ struct Common {
     /// Host and process of each rank.
     names: Vec<String>,
     deadline: RefCell<Duration>,
+    /// Rank 0's way to tell the run of a fault.
+    line: RefCell<Option<FaultLine>>,
 }
 
 // SAFETY: the handles are used by one thread at a time, the one that computes; MPI was asked to allow that thread to
@@ -70,6 +76,7 @@ impl MpiRanks {
             ranks: world.size(),
             names: Vec::new(),
             deadline: RefCell::new(Duration::from_secs(60)),
+            line: RefCell::new(None),
         };
         let mut ranks = Self { common: Rc::new(common), swap: Rc::default() };
         let own = format!("{host}\n{}", std::process::id());
@@ -123,11 +130,19 @@ impl MpiRanks {
         *self.common.deadline.borrow_mut() = patience;
     }
 
+    /// Sets the line on which rank 0 tells the run that it gives up.
+    pub fn set_line(&self, line: FaultLine) {
+        *self.common.line.borrow_mut() = Some(line);
+    }
+
+    /// Does something with that line.
+    pub fn on_line(&self, change: impl FnMut(&mut FaultLine)) {
+        self.common.line.borrow_mut().as_mut().into_iter().for_each(change);
+    }
+
     /// The next broadcast of rank 0, however long that takes: it is waiting for the run.
-    pub fn wait_for_call(&mut self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        self.broadcast_within(&mut bytes, None);
-        bytes
+    pub fn wait_for_call(&self) -> Vec<u8> {
+        self.hear(None)
     }
 
     /// A rank as a user finds it.
@@ -232,11 +247,20 @@ impl MpiRanks {
         let missing = if self.is_first() { self.missing() } else { vec![0] };
         let all: Vec<_> = missing.iter().map(|&rank| self.name(rank)).collect();
         let who = if all.is_empty() { "some rank".into() } else { all.join(", ") };
-        tracing_error(&format!(
-            "{who} has not answered for {seconds:.0} s: it hangs, or its host is out of reach. \
+        let have = if all.len() > 1 { "have" } else { "has" };
+        let text = format!(
+            "{who} {have} not answered for {seconds:.0} s: a rank hangs, or its host is out of reach. \
              `deadline` in settings.fluid-lbm-mpi allows more time"
-        ));
-        // Where MPI cannot end the others, the launcher does when this process ends.
+        );
+        tracing_error(&text);
+        self.on_line(|line| line.tell(&text));
+        // The launcher passes these words on before it ends, or is ended.
+        std::thread::sleep(Duration::from_millis(100));
+        if !self.is_first() {
+            // MPI would ask the daemon to end all, and it would ask a launcher that may be out of reach.
+            end_daemon();
+        }
+        // Where MPI cannot end the others, the launcher does when this process ends; or the run ends the launcher.
         std::thread::spawn(|| {
             std::thread::sleep(Duration::from_secs(2));
             std::process::exit(3);
@@ -287,37 +311,60 @@ impl MpiRanks {
         self.wait(std::slice::from_mut(&mut request), self.patience());
     }
 
-    /// Broadcasts so many bytes of rank 0.
-    fn broadcast_bytes(&self, bytes: &mut [u8], deadline: Option<Duration>) {
+    /// Broadcasts so many bytes of rank 0, which it reads from there; others write them there.
+    ///
+    /// # Safety
+    /// Rank 0 has as many values there; others have room for as many.
+    unsafe fn broadcast_bytes(&self, bytes: *mut u8, count: usize, deadline: Option<Duration>) {
         let mut request = no_request();
-        // SAFETY: the buffer lives until the request is done, below.
+        // SAFETY: the buffer lives until the request is done, below (callers).
         unsafe {
-            ffi::MPI_Ibcast(
-                bytes.as_mut_ptr().cast(),
-                bytes.len() as c_int,
-                bytes_type(),
-                0,
-                self.common.comm,
-                &mut request,
-            );
+            let (bytes, count) = (bytes.cast::<c_void>(), count as c_int);
+            ffi::MPI_Ibcast(bytes, count, bytes_type(), 0, self.common.comm, &mut request);
         }
         self.wait(std::slice::from_mut(&mut request), deadline);
     }
 
-    fn broadcast_within(&mut self, bytes: &mut Vec<u8>, deadline: Option<Duration>) {
+    /// Rank 0 broadcasts few bytes and those behind them, which are copied nowhere.
+    pub fn tell(&self, few: &[u8], behind: &[u8]) {
+        if few.len() > SHORT {
+            return self.tell(&[], &[few, behind].concat());
+        }
+        let length = few.len() + behind.len();
+        let inside = behind.len().min(SHORT - few.len());
         let mut head = [0_u8; SHORT + 8];
-        let short = bytes.len().min(SHORT);
-        head[..8].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
-        head[8..8 + short].copy_from_slice(&bytes[..short]);
-        self.broadcast_bytes(&mut head, deadline);
+        head[..8].copy_from_slice(&(length as u64).to_le_bytes());
+        head[8..8 + few.len()].copy_from_slice(few);
+        head[8 + few.len()..8 + few.len() + inside].copy_from_slice(&behind[..inside]);
+        let rest = &behind[inside..];
+        // SAFETY: so many values are there, which MPI reads only on rank 0.
+        unsafe {
+            self.broadcast_bytes(head.as_mut_ptr(), head.len(), self.patience());
+            if !rest.is_empty() {
+                self.broadcast_bytes(rest.as_ptr().cast_mut(), rest.len(), self.patience());
+            }
+        }
+    }
+
+    /// What rank 0 broadcasts, on another rank. The wait for its beginning has a deadline of its own.
+    fn hear(&self, deadline: Option<Duration>) -> Vec<u8> {
+        let mut head = [0_u8; SHORT + 8];
+        // SAFETY: there is room for as many.
+        unsafe { self.broadcast_bytes(head.as_mut_ptr(), head.len(), deadline) };
         let (length, inside) = head.split_at(8);
         let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
-        bytes.resize(length, 0);
         let short = length.min(SHORT);
-        bytes[..short].copy_from_slice(&inside[..short]);
+        let mut bytes = Vec::with_capacity(length);
+        bytes.extend_from_slice(&inside[..short]);
         if length > SHORT {
-            self.broadcast_bytes(&mut bytes[SHORT..], self.patience());
+            let rest = &mut bytes.spare_capacity_mut()[..length - short];
+            // SAFETY: there is room for as many, and all have values then.
+            unsafe {
+                self.broadcast_bytes(rest.as_mut_ptr().cast(), rest.len(), self.patience());
+                bytes.set_len(length);
+            }
         }
+        bytes
     }
 }
 
@@ -393,43 +440,46 @@ impl Communicator for MpiRanks {
         let mut counts = vec![0_i64; ranks as usize];
         counts[rank as usize] = bytes.len() as i64;
         self.add_up(&mut counts);
-        let mut places: Vec<c_int> = Vec::with_capacity(counts.len());
-        let mut all = 0;
-        for count in &counts {
-            places.push(all);
-            all += *count as c_int;
-        }
-        let counts: Vec<c_int> = counts.into_iter().map(|count| count as c_int).collect();
-        // Never without an address: that of an empty list may be one which means something else to MPI.
-        let mut room = vec![0_u8; if rank == 0 { all as usize } else { 0 } + 1];
-        let own = [bytes, &[0]].concat();
-        let mut request = no_request();
-        // SAFETY: counts and places are those of the room, which is on rank 0; all live until the request is done.
-        unsafe {
-            ffi::MPI_Igatherv(
-                own.as_ptr().cast(),
-                bytes.len() as c_int,
-                bytes_type(),
-                room.as_mut_ptr().cast(),
-                counts.as_ptr(),
-                places.as_ptr(),
-                bytes_type(),
-                0,
-                comm,
-                &mut request,
-            );
-        }
-        self.wait(std::slice::from_mut(&mut request), self.patience());
+        let mut requests = Vec::new();
         if rank != 0 {
+            let count = bytes.len() as c_int;
+            let mut request = no_request();
+            // SAFETY: the bytes live until the request is done, below.
+            unsafe {
+                let bytes = bytes.as_ptr().cast::<c_void>();
+                ffi::MPI_Isend(bytes, count, bytes_type(), 0, GATHER, comm, &mut request);
+            }
+            self.wait(std::slice::from_mut(&mut request), self.patience());
             return Vec::new();
         }
-        let of_rank = |(&first, &count): (&c_int, &c_int)| {
-            room[first as usize..(first + count) as usize].to_vec()
-        };
-        places.iter().zip(&counts).map(of_rank).collect()
+        // What comes is written where it stays.
+        let mut all: Vec<Vec<u8>> =
+            counts.iter().map(|&count| Vec::with_capacity(count as usize)).collect();
+        for (from, room) in (0..).zip(&mut all).skip(1) {
+            let count = counts[from as usize] as c_int;
+            let mut request = no_request();
+            // SAFETY: there is room for as many bytes; it keeps its place until the requests are done, below.
+            unsafe {
+                let room = room.as_mut_ptr().cast::<c_void>();
+                ffi::MPI_Irecv(room, count, bytes_type(), from, GATHER, comm, &mut request);
+            }
+            requests.push(request);
+        }
+        all[0].extend_from_slice(bytes);
+        self.wait(&mut requests, self.patience());
+        for (room, &count) in all.iter_mut().zip(&counts).skip(1) {
+            // SAFETY: so many bytes have come, and there was room for them.
+            unsafe {
+                room.set_len(count as usize);
+            }
+        }
+        all
     }
 
     fn broadcast(&mut self, bytes: &mut Vec<u8>) {
-        self.broadcast_within(bytes, self.patience());
+        match self.is_first() {
+            true => self.tell(&[], bytes),
+            false => *bytes = self.hear(self.patience()),
+        }
     }
 }

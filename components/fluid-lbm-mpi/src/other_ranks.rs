@@ -15,7 +15,7 @@ use tremie_sdk::state::{SavedState, StateArchive, StateError, StatePart, StatePl
 use tremie_sdk::{Fluid, Setup, SolverError, log_line};
 
 /// Makes calls until rank 0 quits.
-pub fn serve(mut ranks: MpiRanks) -> ExitCode {
+pub fn serve(ranks: MpiRanks) -> ExitCode {
     let mut share = None;
     let mut writer = PartWriter::default();
     loop {

@@ -13,14 +13,14 @@ enum Weight {
     /// Any line.
     #[default]
     Line,
-    /// A launcher of MPI says which of its ranks has died, among many lines of advice.
+    /// A launcher of MPI says which of its ranks has died, or which host is out of reach, among many lines of advice.
     OfLauncher,
     /// The component calls it an error.
     Error,
 }
 
-/// Words of Open MPI and of MPICH about a rank that has died.
-const OF_LAUNCHERS: [&str; 2] = ["noticed that process rank", " RUNNING AT "];
+/// Words of Open MPI and of MPICH about a rank that has died, and of Open MPI about a host that is out of reach.
+const OF_LAUNCHERS: [&str; 3] = ["noticed that process rank", " RUNNING AT ", "Remote daemon: "];
 
 impl LastWords {
     /// Hears a line, which the component may call an error.
@@ -32,7 +32,7 @@ impl LastWords {
         };
         // A ruler says nothing.
         if weight >= self.weight && text.contains(char::is_alphanumeric) {
-            *self = Self { text: text.into(), weight };
+            *self = Self { text: text.trim().into(), weight };
         }
     }
 
@@ -59,6 +59,8 @@ mod tests {
         let of_mpi = "mpiexec noticed that process rank 2 with PID 77 on node a exited on signal 9";
         assert_eq!(hear(of_mpi, false).as_deref(), Some(of_mpi));
         assert_eq!(hear("please see the FAQ", false).as_deref(), Some(of_mpi));
+        let lost = "Remote daemon: [[4228,0],1] on node far";
+        assert_eq!(hear(&format!("  {lost}"), false).as_deref(), Some(lost));
         assert_eq!(hear("rank 1 does not answer", true).as_deref(), Some("rank 1 does not answer"));
         assert_eq!(hear("good bye", false).as_deref(), Some("rank 1 does not answer"));
     }

@@ -3,6 +3,7 @@
 mod lines;
 mod own_program;
 mod peer;
+mod process_tree;
 mod program;
 mod with_us;
 
@@ -47,6 +48,17 @@ const EVENT_DEPTH: usize = 1024;
 
 /// Longest wait for the last words of a component whose replies have ended.
 const LAST_WORDS: Duration = Duration::from_millis(50);
+
+/// How soon a daemon of Open MPI, of version 4 and of version 5, finds that the host of its launcher is out of reach, and
+/// ends with its ranks: after 10 s without a word, and 5 questions of 2 s each. Its own default is 8 minutes.
+const KEEP_ALIVE: [(&str, &str); 6] = [
+    ("OMPI_MCA_oob_tcp_keepalive_time", "10"),
+    ("OMPI_MCA_oob_tcp_keepalive_intvl", "2"),
+    ("OMPI_MCA_oob_tcp_keepalive_probes", "5"),
+    ("PRTE_MCA_oob_tcp_keepalive_time", "10"),
+    ("PRTE_MCA_oob_tcp_keepalive_intvl", "2"),
+    ("PRTE_MCA_oob_tcp_keepalive_probes", "5"),
+];
 
 /// Starts components and collects their arrivals on one channel.
 pub struct Launcher {
@@ -134,7 +146,7 @@ impl Launcher {
         if let Some(input) = child.stdin.take() {
             thread(move || write_requests(input, requests))?;
         }
-        Ok((to, Body::Process(child)))
+        Ok((to, if is_launched { Body::Launcher(child) } else { Body::Process(child) }))
     }
 
     fn start_thread(
@@ -169,6 +181,9 @@ fn launched(launch: &[String], command: Command) -> Command {
     let [launcher, words @ ..] = launch else { return command };
     let mut all = Command::new(launcher);
     all.args(words).arg(command.get_program()).args(command.get_args());
+    for (name, value) in KEEP_ALIVE.iter().filter(|(name, _)| std::env::var_os(name).is_none()) {
+        all.env(name, value);
+    }
     all
 }
 

@@ -1,5 +1,6 @@
 //! Peer: a started component, requests to it, and its end.
 
+use super::process_tree::end_tree;
 use std::os::unix::process::ExitStatusExt;
 use std::process::Child;
 use std::sync::mpsc::Sender;
@@ -28,8 +29,13 @@ const BUS_ERROR: i32 = signal_hook::consts::SIGBUS;
 /// Signal that ends a process at once (SIGKILL).
 const KILL: i32 = signal_hook::consts::SIGKILL;
 
+/// Least time for a launcher to end what it has started, on other hosts too.
+const LAUNCHER_GRACE: Duration = Duration::from_secs(1);
+
 pub(super) enum Body {
     Process(Child),
+    /// A program that has started the component, and more of it.
+    Launcher(Child),
     Thread(Option<JoinHandle<()>>),
 }
 
@@ -54,7 +60,7 @@ impl Peer {
     /// Process id, if the component is a process.
     pub fn process_id(&self) -> Option<u32> {
         match &self.body {
-            Body::Process(child) => Some(child.id()),
+            Body::Process(child) | Body::Launcher(child) => Some(child.id()),
             Body::Thread(_) => None,
         }
     }
@@ -77,6 +83,7 @@ impl Peer {
     fn end_by(&mut self, deadline: Instant) -> String {
         match &mut self.body {
             Body::Process(child) => reap(child, deadline),
+            Body::Launcher(child) => reap(child, deadline.max(Instant::now() + LAUNCHER_GRACE)),
             Body::Thread(handle) => join(handle, deadline),
         }
     }
@@ -99,7 +106,7 @@ fn reap(child: &mut Child, deadline: Instant) -> String {
             Ok(Some(status)) => return describe(status),
             Ok(None) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(1)),
             Ok(None) => {
-                let _ = child.kill();
+                end_tree(child.id());
                 // A killed process stays a zombie until it is waited for.
                 let _ = child.wait();
                 return "did not exit and had to be killed".into();
@@ -142,8 +149,11 @@ fn describe(status: std::process::ExitStatus) -> String {
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        if let Body::Process(child) = &mut self.body {
-            let _ = child.kill();
+        if let Body::Process(child) | Body::Launcher(child) = &mut self.body {
+            // The number of one that was waited for may be another process's by now.
+            if matches!(child.try_wait(), Ok(None)) {
+                end_tree(child.id());
+            }
             let _ = child.wait();
         }
     }
