@@ -5,7 +5,7 @@
 //! the launcher of the MPI that the program was built with.
 
 use crate::running::{Running, until};
-use crate::tremie::{Ran, left_nothing, run_text, tremie};
+use crate::tremie::{Ran, left_nothing, run, run_text, tremie};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -125,6 +125,23 @@ fn ranks_have_the_bits_of_one_process() {
             assert_same(&alone, &ran, &format!("{ranks} ranks, {precision}"));
             ran.left_nothing(&format!("{ranks} ranks"));
         }
+    }
+}
+
+/// The coarse valve with its rubber ring, declared gaps and grains, over a thousand windows.
+#[test]
+#[ignore = "it needs MPI"]
+fn a_valve_with_rubber_and_grains_on_ranks() {
+    allow_ranks();
+    let valve = "examples/pressure-valve/grains.toml";
+    let short = ["--set", "run.until=\"0.49 ms\""];
+    let alone = run(valve, &short).succeeded();
+    assert!(alone.summary()["windows"].as_u64() >= Some(1000), "too short a run to tell");
+    for ranks in [2, 4] {
+        let launch = launched(ranks);
+        let fluid = ["--set", "components.fluid=fluid-lbm-mpi", "--set", &launch];
+        let ran = run(valve, &[&short[..], &fluid].concat()).succeeded();
+        assert_same(&alone, &ran, &format!("{ranks} ranks"));
     }
 }
 

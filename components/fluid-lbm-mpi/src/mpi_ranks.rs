@@ -30,6 +30,9 @@ const ANSWER_TIME: Duration = Duration::from_secs(1);
 /// Beginnings of the names of Open MPI's shared memory, in version 4 and in version 5.
 const SEGMENTS: [&str; 2] = ["/dev/shm/vader_segment.", "/dev/shm/sm_segment."];
 
+/// Bytes of what all ranks tell all that need no second message, their number included.
+const TOLD: usize = 256;
+
 /// Bytes of a broadcast that need no second message.
 const SHORT: usize = 504;
 
@@ -289,6 +292,60 @@ impl MpiRanks {
         Some(*self.common.deadline.borrow())
     }
 
+    /// Heads of all ranks.
+    fn gather_heads(&self, head: &[u8; TOLD]) -> Vec<u8> {
+        let mut heads = vec![0_u8; TOLD * self.common.ranks as usize];
+        let mut request = no_request();
+        // SAFETY: there is room for as many bytes of each rank; both buffers live until the request is done, below.
+        unsafe {
+            ffi::MPI_Iallgather(
+                head.as_ptr().cast(),
+                TOLD as c_int,
+                bytes_type(),
+                heads.as_mut_ptr().cast(),
+                TOLD as c_int,
+                bytes_type(),
+                self.common.comm,
+                &mut request,
+            );
+        }
+        self.wait(std::slice::from_mut(&mut request), self.patience());
+        heads
+    }
+
+    /// What heads had no room for, of each rank so many bytes.
+    fn gather_rests(&self, own: &[u8], counts: &[usize]) -> Vec<u8> {
+        let mut places = Vec::with_capacity(counts.len());
+        let mut all = 0;
+        for &count in counts {
+            places.push(all as c_int);
+            all += count;
+        }
+        if all == 0 {
+            return Vec::new();
+        }
+        let counts: Vec<c_int> = counts.iter().map(|&count| count as c_int).collect();
+        // Never without an address: that of an empty list may be one which means something else to MPI.
+        let (own_bytes, mut rest) = ([own, &[0]].concat(), vec![0_u8; all]);
+        let mut request = no_request();
+        // SAFETY: counts and places are those of the room; all live until the request is done, below.
+        unsafe {
+            ffi::MPI_Iallgatherv(
+                own_bytes.as_ptr().cast(),
+                own.len() as c_int,
+                bytes_type(),
+                rest.as_mut_ptr().cast(),
+                counts.as_ptr(),
+                places.as_ptr(),
+                bytes_type(),
+                self.common.comm,
+                &mut request,
+            );
+        }
+        self.wait(std::slice::from_mut(&mut request), self.patience());
+        rest
+    }
+
     /// Combines numbers over all ranks.
     fn combine(&self, numbers: &mut [i64], operation: MPI_Op) {
         if numbers.is_empty() {
@@ -472,6 +529,30 @@ impl Communicator for MpiRanks {
             unsafe {
                 room.set_len(count as usize);
             }
+        }
+        all
+    }
+
+    fn gather_to_all(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut head = [0_u8; TOLD];
+        let short = bytes.len().min(TOLD - 8);
+        head[..8].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
+        head[8..8 + short].copy_from_slice(&bytes[..short]);
+        let heads = self.gather_heads(&head);
+        let told = heads.chunks_exact(TOLD).map(|head| head.split_at(8));
+        let told = told.map(|(length, inside)| {
+            let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
+            (length, &inside[..length.min(TOLD - 8)])
+        });
+        let rests: Vec<usize> =
+            told.clone().map(|(length, inside)| length - inside.len()).collect();
+        let rest = self.gather_rests(&bytes[short..], &rests);
+        let (mut all, mut rest) = (Vec::new(), &rest[..]);
+        for ((_, inside), count) in told.zip(rests) {
+            let (own, others) = rest.split_at(count);
+            all.extend_from_slice(inside);
+            all.extend_from_slice(own);
+            rest = others;
         }
         all
     }
