@@ -12,7 +12,6 @@ use crate::lattice::d3q19::{C, C_F64, Q, dot, equilibria, mirrored, moments};
 use crate::lattice::exact_sum::ExactSum;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};
-use crate::solver::far_means::NearestFluid;
 
 /// The fluid as it is before a collision.
 #[derive(Clone, Copy)]
@@ -50,6 +49,36 @@ impl Content {
     /// Velocity, with half the step's force: `j/rho + a/2`.
     pub fn velocity(&self, acceleration: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| self.j[a] / (1.0 + self.drho) + 0.5 * acceleration[a])
+    }
+}
+
+/// Fluid in the least cube around a cell that has some: so it is in the cube's outer layer.
+#[derive(Clone, Copy, Debug)]
+pub struct NearestFluid {
+    /// Cells from the middle of the cube to its faces.
+    pub reach: i32,
+    /// Sum of the densities minus 1, and number of the cells.
+    pub drho: ExactSum,
+    /// See there.
+    pub count: i64,
+}
+
+impl NearestFluid {
+    /// Mean of the density minus 1.
+    pub fn mean(&self) -> f64 {
+        self.drho.value() / self.count as f64
+    }
+
+    /// Adds what another rank found for the same cell.
+    pub fn join(&mut self, other: &Self) {
+        match self.reach.cmp(&other.reach) {
+            std::cmp::Ordering::Less => {}
+            std::cmp::Ordering::Greater => *self = *other,
+            std::cmp::Ordering::Equal => {
+                self.drho += other.drho;
+                self.count += other.count;
+            }
+        }
     }
 }
 

@@ -4,8 +4,8 @@ use crate::gaps::modelled::POCKET;
 use crate::gaps::pockets::{is_at_open_face, is_wet};
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::layout::{Layout, faces};
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::ranks::rank_sums::Ranks;
-use crate::ranks::whole_numbers::WholeNumbers;
 use std::collections::{BTreeSet, HashMap};
 
 /// What a rank knows of a cell: the fluid around it, by numbers in the whole lattice; `None` at an open face.

@@ -7,7 +7,7 @@
 
 use crate::lattice::d3q19::Q;
 use crate::lattice::layout::Layout;
-use crate::ranks::whole_numbers::WholeNumbers;
+use crate::lattice::whole_numbers::WholeNumbers;
 use std::ops::Range;
 use tremie_state::{StateError, StateExchange};
 

@@ -8,7 +8,8 @@
 //! A rank's cells keep their places within lines and blocks: what is added up in a block has the same bits whoever
 //! computes it.
 
-use crate::lattice::layout::{CELLS_PER_BLOCK, block_of};
+use crate::lattice::held_blocks::HeldBlocks;
+use crate::lattice::layout::CELLS_PER_BLOCK;
 use std::ops::Range;
 use tremie_fluid_kit::cells::grid::Grid;
 use tremie_fluid_kit::cells::obstacles::Obstacles;
@@ -44,62 +45,6 @@ pub struct CellShares {
     depth: i32,
     /// Cells that are stored in all.
     cells: usize,
-}
-
-/// The cells that one rank holds.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct HeldBlocks {
-    /// Its blocks, by number in the whole lattice, ascending.
-    blocks: Vec<u32>,
-    /// Those among them whose cells it counts.
-    own: Range<u32>,
-    /// Cells of the whole lattice.
-    cells_of_whole: usize,
-}
-
-impl HeldBlocks {
-    /// True if a cell is held, by its number in the whole lattice.
-    pub fn holds(&self, cell: u32) -> bool {
-        self.blocks.binary_search(&block_of(cell)).is_ok()
-    }
-
-    /// The cells that it counts, by their numbers among the `held`.
-    pub fn own_cells(&self, held: usize) -> Range<u32> {
-        let first = self.place(self.own.start).unwrap_or_default();
-        let end = first + self.own.end - self.own.start;
-        first * CELLS_PER_BLOCK..(end * CELLS_PER_BLOCK).min(held as u32)
-    }
-
-    /// Number in the whole lattice of a cell that is held.
-    pub fn in_whole(&self, cell: u32) -> u32 {
-        self.blocks[block_of(cell) as usize] * CELLS_PER_BLOCK + cell % CELLS_PER_BLOCK
-    }
-
-    /// Number here of a cell of the whole lattice, if it is held.
-    pub fn here(&self, cell: u32) -> Option<u32> {
-        let place = self.place(block_of(cell))?;
-        Some(place * CELLS_PER_BLOCK + cell % CELLS_PER_BLOCK)
-    }
-
-    /// Its blocks, as runs of such that follow each other.
-    pub fn runs(&self) -> impl Iterator<Item = Range<u32>> {
-        self.blocks.chunk_by(|a, b| a + 1 == *b).map(|run| run[0]..run[run.len() - 1] + 1)
-    }
-
-    /// Those among them whose cells it counts.
-    pub fn own(&self) -> Range<u32> {
-        self.own.clone()
-    }
-
-    /// Cells of the whole lattice.
-    pub fn cells_of_whole(&self) -> usize {
-        self.cells_of_whole
-    }
-
-    /// Place of a block of the whole lattice among those that are held.
-    pub fn place(&self, block: u32) -> Option<u32> {
-        self.blocks.binary_search(&block).ok().map(|place| place as u32)
-    }
 }
 
 impl CellShares {
@@ -153,14 +98,13 @@ impl CellShares {
             shifts.into_iter().any(|shift| low + shift <= last && high + shift >= first)
         };
         let held = (0..).zip(&self.layers).filter(|(_, layers)| meets(**layers));
-        let blocks = held.map(|(block, _)| block).collect();
-        HeldBlocks { blocks, own, cells_of_whole: self.cells }
+        HeldBlocks::new(held.map(|(block, _)| block).collect(), own, self.cells)
     }
 
     /// The blocks that a rank holds copies of, and another counts.
     pub fn copies(&self, holder: usize, owner: usize) -> impl Iterator<Item = u32> {
         let (window, own) = (self.window(holder), self.own(owner));
-        window.blocks.into_iter().filter(move |block| own.contains(block))
+        window.into_blocks().filter(move |block| own.contains(block))
     }
 
     /// Layers of copies.

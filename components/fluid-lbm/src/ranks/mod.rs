@@ -5,5 +5,4 @@ pub mod cell_shares;
 pub mod communicator;
 pub mod halo;
 pub mod rank_sums;
-pub mod whole_numbers;
 pub mod whole_ways;

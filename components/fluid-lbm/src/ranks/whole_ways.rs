@@ -4,8 +4,8 @@
 use crate::lattice::cell_list::{BoundaryId, CellList};
 use crate::lattice::d3q19::{C, Q};
 use crate::lattice::layout::Layout;
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::ranks::rank_sums::Ranks;
-use crate::ranks::whole_numbers::WholeNumbers;
 use tremie_fluid_kit::cells::grid::{Grid, Reach};
 use tremie_fluid_kit::cells::obstacles::Obstacles;
 

@@ -20,7 +20,7 @@ use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
 use crate::lattice::populations::Field;
 use crate::lattice::reductions::CellStatistics;
 use crate::lattice::reflection_impulse::ReflectionImpulse;
-use crate::ranks::whole_numbers::WholeNumbers;
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use std::ops::Range;

@@ -1,11 +1,11 @@
 //! The density of cells that join the fluid far from any: inside a body that vanished, or in the middle of a gap that
 //! opens. It is that of the nearest fluid, which another rank may have.
 
-use crate::boundary::refill::PreCollision;
+use crate::boundary::refill::{NearestFluid, PreCollision};
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::exact_sum::{ExactSum, LIMBS};
 use crate::lattice::populations::Real;
-use crate::ranks::whole_numbers::WholeNumbers;
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::solver::execution::Execution;
 use std::collections::BTreeMap;
 use tremie_team::Cut;
@@ -26,35 +26,6 @@ struct Asked {
     farthest: i32,
     /// The nearest fluid that this rank counts.
     found: Option<NearestFluid>,
-}
-
-/// Fluid in the least cube around a cell that has some: so it is in the cube's outer layer.
-#[derive(Clone, Copy, Debug)]
-pub struct NearestFluid {
-    /// Cells from the middle of the cube to its faces.
-    pub reach: i32,
-    /// Sum of the densities minus 1, and number of the cells.
-    pub drho: ExactSum,
-    /// See there.
-    pub count: i64,
-}
-
-impl NearestFluid {
-    fn mean(&self) -> f64 {
-        self.drho.value() / self.count as f64
-    }
-
-    /// Adds what another rank found for the same cell.
-    fn join(&mut self, other: &Self) {
-        match self.reach.cmp(&other.reach) {
-            std::cmp::Ordering::Less => {}
-            std::cmp::Ordering::Greater => *self = *other,
-            std::cmp::Ordering::Equal => {
-                self.drho += other.drho;
-                self.count += other.count;
-            }
-        }
-    }
 }
 
 /// Mean density minus 1 of the nearest fluid, by cell, of all cells that look for some, on any rank, and are stored here.

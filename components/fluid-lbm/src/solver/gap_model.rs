@@ -11,7 +11,7 @@ use crate::lattice::d3q19::{CS2, Q};
 use crate::lattice::layout::Layout;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
-use crate::ranks::whole_numbers::WholeNumbers;
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::solver::execution::Execution;
 use crate::solver::gap_pressure::{BodyGaps, ROOM};
 use crate::solver::lattice_state::LatticeState;

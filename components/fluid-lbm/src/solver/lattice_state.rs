@@ -10,9 +10,9 @@ use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::reductions::CellStatistics;
 use crate::lattice::units::Units;
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::ranks::halo::Halo;
 use crate::ranks::rank_sums::Ranks;
-use crate::ranks::whole_numbers::WholeNumbers;
 use tremie_state::{StateError, StateExchange};
 
 /// Cells, populations and flags of a lattice.

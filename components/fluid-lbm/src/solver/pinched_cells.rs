@@ -32,7 +32,7 @@ use crate::boundary::refill::Content;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
 use crate::lattice::exact_sum::{ExactSum, add_vector};
 use crate::lattice::populations::Real;
-use crate::ranks::whole_numbers::WholeNumbers;
+use crate::lattice::whole_numbers::WholeNumbers;
 use crate::solver::lattice_state::LatticeState;
 use tremie_state::{StateError, StateExchange};
 

@@ -1,7 +1,7 @@
 //! Numbers of cells in the whole lattice: by these a state is kept, so that any number of ranks can put it back.
 
+use crate::lattice::held_blocks::HeldBlocks;
 use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
-use crate::ranks::cell_shares::HeldBlocks;
 use std::ops::Range;
 use tremie_state::SharedRows;
 
