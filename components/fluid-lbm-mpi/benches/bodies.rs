@@ -63,8 +63,7 @@ mod timed {
         let bytes = vec![rank as u8 + 1; own * SUMS];
         ranks.add_up(&mut [0]);
         let begin = Instant::now();
-        let mut all = ranks.gather(&bytes).concat();
-        ranks.broadcast(&mut all);
+        let all = ranks.gather_to_all(&bytes);
         ranks.add_up(&mut [0]);
         let took = since(begin);
         assert_eq!((all.len(), all.last().copied()), (count * SUMS, Some(of as u8)));

@@ -326,7 +326,7 @@ impl MpiRanks {
         }
         let counts: Vec<c_int> = counts.iter().map(|&count| count as c_int).collect();
         // Never without an address: that of an empty list may be one which means something else to MPI.
-        let (own_bytes, mut rest) = ([own, &[0]].concat(), vec![0_u8; all]);
+        let (own_bytes, mut rest) = (if own.is_empty() { &[0] } else { own }, vec![0_u8; all]);
         let mut request = no_request();
         // SAFETY: counts and places are those of the room; all live until the request is done, below.
         unsafe {
