@@ -97,7 +97,8 @@ impl Fluid for MpiFluid {
         let description = LbmComponent::describe(&of_lattice)?;
         let shares = LbmComponent::shares(&of_lattice, ranks.ranks())?;
         let mut notes = description.notes.clone();
-        notes.extend(shares);
+        // One rank has all of it: it may be asked so before a job begins.
+        notes.extend(shares.into_iter().filter(|_| ranks.ranks() > 1));
         Ok(Description { notes, ..description })
     }
 
