@@ -9,9 +9,9 @@ use std::f64::consts::PI;
 use tremie_fluid_lbm::{Collision, LbmFluid, OpenFaces, Precision, Refill};
 use tremie_geometry::Turned;
 use tremie_messages::scene::{
-    BodySet, Course, DeformableSurface, Diameters, Face, FacetKind, Gap, GapRegion, GapRule,
-    GapSide, GapWeight, Geometry, Inlet, InletVelocity, Motion, OpenVelocity, Outflow, Placement,
-    Pose, Probe, ProbeShape, Profile, Reservoir, Scene, Section, SectionEdge, Shape, Sphere,
+    BodySet, Course, Diameters, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Inlet,
+    InletVelocity, Motion, OpenVelocity, Outflow, Placement, Probe, ProbeShape, Profile, Reservoir,
+    Scene, Shape, Sphere,
 };
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, SurfaceVertex};
 use tremie_state::{SavedState, StateError};
@@ -445,18 +445,7 @@ fn ring() -> Story {
     let mut scene = case.scene();
     scene.parts.push(moving("carrier", Geometry::Cylinder { radius: 8.1, length: 3.0 }));
     let points = vec![[4.0, -1.7], [8.2, -1.9], [8.0, 1.6], [4.2, 1.6]];
-    let edge = |k: u32| SectionEdge { points: [k, (k + 1) % 4], kind: FacetKind::Exposed };
-    let surface = DeformableSurface {
-        name: "seal".into(),
-        carrier: "carrier".into(),
-        table: "seal.json".into(),
-        pose: Pose::IDENTITY,
-        sectors: 30,
-        material: "wall".into(),
-        seat_stiffness: 1.0,
-        start: Default::default(),
-        section: Section { points: points.clone(), edges: (0..4).map(edge).collect() },
-    };
+    let surface = seal(&points);
     let turned = Turned::of(&surface);
     scene.surfaces.push(surface);
     scene.gaps.push(Gap {

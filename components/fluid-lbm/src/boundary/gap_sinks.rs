@@ -166,19 +166,14 @@ impl GapSinks {
         };
         state.column("intakes", &mut self.list, get, set)?;
         // They depend on which cells were fluid when they were looked for.
-        let (restores, mut are_known) = (state.restores(), !self.nearest.is_empty());
+        let mut are_known = !self.nearest.is_empty();
         state.value("nearest_are_known", &mut are_known)?;
         if !are_known {
             return Ok(());
         }
         self.nearest.resize(cells, FAR);
         self.seeds.clear();
-        let nearest = &mut self.nearest;
-        state.shared_array("nearest_intakes", &numbers.rows_of(1), |first, rows: &mut [u16]| {
-            let Some(first) = numbers.here(first as u32) else { return };
-            let own = &mut nearest[first as usize..][..rows.len()];
-            if restores { own.copy_from_slice(rows) } else { rows.copy_from_slice(own) }
-        })
+        numbers.exchange_values(state, "nearest_intakes", &mut self.nearest)
     }
 
     /// Memory that the table takes [bytes].

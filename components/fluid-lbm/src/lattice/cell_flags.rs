@@ -107,22 +107,17 @@ impl CellFlags {
         numbers: &WholeNumbers,
         is_alive: impl Fn(u32) -> bool,
     ) -> Result<(), StateError> {
-        let restores = state.restores();
         let claims = self.shared.iter().filter(|(cell, _)| numbers.is_own(*cell));
         let mut shared: Vec<_> =
             claims.map(|&(cell, handle)| [numbers.in_whole(cell), handle]).collect();
         let left = self.vacated.iter().filter(|vacated| numbers.is_own(vacated.cell));
         let mut vacated: Vec<_> = left.map(|v| [numbers.in_whole(v.cell), v.handle]).collect();
         let mut covered = numbers.kept(&self.covered);
-        state.shared_array("owners", &numbers.rows_of(1), |first, owners: &mut [Owner]| {
-            let Some(first) = numbers.here(first as u32) else { return };
-            let own = &mut self.of[first as usize..][..owners.len()];
-            if restores { own.copy_from_slice(owners) } else { owners.copy_from_slice(own) }
-        })?;
+        numbers.exchange_values(state, "owners", &mut self.of)?;
         state.shared_list("shared", &mut shared)?;
         state.shared_list("covered", &mut covered)?;
         state.shared_list("vacated", &mut vacated)?;
-        if restores {
+        if state.restores() {
             let here = |[cell, handle]: [u32; 2]| Some((numbers.here(cell)?, handle));
             self.shared = shared.into_iter().filter_map(here).collect();
             self.covered = numbers.stored(&covered);

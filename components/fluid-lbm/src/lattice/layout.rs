@@ -155,8 +155,12 @@ impl Layout {
     }
 }
 
+/// The directions along axes.
+pub fn straight() -> impl Iterator<Item = usize> {
+    (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1)
+}
+
 /// Stored cells that share a face with a cell.
 pub fn faces(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
-    let straight = (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1);
-    straight.filter_map(move |i| layout.neighbour(cell, i)).filter(move |&n| n != cell)
+    straight().filter_map(move |i| layout.neighbour(cell, i)).filter(move |&n| n != cell)
 }

@@ -3,7 +3,7 @@
 use crate::lattice::held_blocks::HeldBlocks;
 use crate::lattice::layout::{CELLS_PER_BLOCK, Layout};
 use std::ops::Range;
-use tremie_state::SharedRows;
+use tremie_state::{SharedRows, StateError, StateExchange, StateNumber};
 
 /// Which cells of the whole lattice those are that a rank stores.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +50,24 @@ impl WholeNumbers {
             blocks.start as usize * per_block..(blocks.end as usize * per_block).min(all)
         };
         SharedRows { all, own: rows(window.own()), held: window.runs().map(rows).collect() }
+    }
+
+    /// Keeps a value of each stored cell, of all ranks, or puts them back.
+    ///
+    /// # Errors
+    /// A state of another lattice.
+    pub fn exchange_values<T: StateNumber>(
+        &self,
+        state: &mut StateExchange<'_>,
+        name: &str,
+        values: &mut [T],
+    ) -> Result<(), StateError> {
+        let restores = state.restores();
+        state.shared_array(name, &self.rows_of(1), |first, rows: &mut [T]| {
+            let Some(first) = self.here(first as u32) else { return };
+            let own = &mut values[first as usize..][..rows.len()];
+            if restores { own.copy_from_slice(rows) } else { rows.copy_from_slice(own) }
+        })
     }
 
     /// The cells among some that this rank keeps, by their numbers in the whole lattice.

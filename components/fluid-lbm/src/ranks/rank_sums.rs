@@ -73,11 +73,7 @@ impl Ranks {
         if self.is_alone() {
             return;
         }
-        let mut bytes = Vec::new();
-        for (place, tally) in (0..).zip(&*tallies) {
-            tally.put_bytes(place, &mut bytes);
-        }
-        let all = self.gather_to_all(&bytes);
+        let all = self.tell_tallies((0..).zip(&*tallies));
         tallies.fill(ExchangeTally::default());
         let mut rest = &all[..];
         while let Some((place, tally)) = ExchangeTally::take_bytes(&mut rest) {
@@ -92,9 +88,7 @@ impl Ranks {
         if self.is_alone() {
             return;
         }
-        let mut bytes = Vec::new();
-        tallies.iter().for_each(|(key, tally)| tally.put_bytes(*key, &mut bytes));
-        let all = self.gather_to_all(&bytes);
+        let all = self.tell_tallies(tallies.iter().map(|(key, tally)| (*key, tally)));
         tallies.clear();
         let mut rest = &all[..];
         while let Some((key, tally)) = ExchangeTally::take_bytes(&mut rest) {
@@ -103,6 +97,13 @@ impl Ranks {
                 Err(place) => tallies.insert(place, (key, tally)),
             }
         }
+    }
+
+    /// Tallies of all ranks as few bytes, each with a number.
+    fn tell_tallies<'t>(&self, own: impl Iterator<Item = (u32, &'t ExchangeTally)>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        own.for_each(|(number, tally)| tally.put_bytes(number, &mut bytes));
+        self.gather_to_all(&bytes)
     }
 
     /// Makes rows of sums of this rank, most of which are zero, those of all.

@@ -2,8 +2,8 @@
 //! way of the fluid, however far.
 
 use crate::lattice::cell_list::{BoundaryId, CellList};
-use crate::lattice::d3q19::{C, Q};
-use crate::lattice::layout::Layout;
+use crate::lattice::d3q19::C;
+use crate::lattice::layout::{Layout, straight};
 use crate::lattice::whole_numbers::WholeNumbers;
 use crate::ranks::rank_sums::Ranks;
 use tremie_fluid_kit::cells::grid::{Grid, Reach};
@@ -64,9 +64,4 @@ impl<'g> WholeWays<'g> {
             }
         }
     }
-}
-
-/// The directions along axes.
-fn straight() -> impl Iterator<Item = usize> {
-    (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1)
 }

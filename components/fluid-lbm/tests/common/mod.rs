@@ -7,7 +7,8 @@ use tremie_fluid_lbm::{
     Variant, Walls,
 };
 use tremie_messages::scene::{
-    Course, Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
+    Course, DeformableSurface, Domain, Face, FacetKind, FluidMaterial, Geometry, Motion, Part,
+    PartBoundary, Pose, Scene, Section, SectionEdge,
 };
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Load};
@@ -245,5 +246,21 @@ impl Dice {
 
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.roll()
+    }
+}
+
+/// A ring of rubber with a section of four points, in 30 sectors, on a part named carrier.
+pub fn seal(points: &[[f64; 2]]) -> DeformableSurface {
+    let edge = |k: u32| SectionEdge { points: [k, (k + 1) % 4], kind: FacetKind::Exposed };
+    DeformableSurface {
+        name: "seal".into(),
+        carrier: "carrier".into(),
+        table: "seal.json".into(),
+        pose: Pose::IDENTITY,
+        sectors: 30,
+        material: "wall".into(),
+        seat_stiffness: 1.0,
+        start: Default::default(),
+        section: Section { points: points.to_vec(), edges: (0..4).map(edge).collect() },
     }
 }

@@ -7,8 +7,8 @@ use tremie_geometry::Turned;
 use tremie_messages::BodyState;
 use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::{
-    Course, DeformableSurface, Face, FacetKind, Gap, GapRegion, GapRule, GapSide, GapWeight,
-    Geometry, Motion, Outflow, Pose, Probe, ProbeShape, Section, SectionEdge,
+    Course, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Motion, Outflow, Probe,
+    ProbeShape,
 };
 
 /// Layers of 640 cells: a block has 6.4 of them.
@@ -125,18 +125,7 @@ fn ring(precision: Precision) -> Story {
     carrier.motion = Motion::Prescribed(Vec::new());
     scene.parts.push(carrier);
     let points = vec![[4.0, -1.7], [8.2, -1.9], [8.0, 1.6], [4.2, 1.6]];
-    let edge = |k: u32| SectionEdge { points: [k, (k + 1) % 4], kind: FacetKind::Exposed };
-    let surface = DeformableSurface {
-        name: "seal".into(),
-        carrier: "carrier".into(),
-        table: "seal.json".into(),
-        pose: Pose::IDENTITY,
-        sectors: 30,
-        material: "wall".into(),
-        seat_stiffness: 1.0,
-        start: Default::default(),
-        section: Section { points: points.clone(), edges: (0..4).map(edge).collect() },
-    };
+    let surface = seal(&points);
     let turned = Turned::of(&surface);
     scene.surfaces.push(surface);
     scene.gaps.push(Gap {
