@@ -3,8 +3,10 @@
 use crate::running::{Running, children_of, now, send, until};
 use crate::tremie::{SMALL, left_nothing, run, run_text, tremie};
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 #[test]
@@ -154,4 +156,32 @@ fn a_stopped_recorder_is_given_up_in_time_and_changes_nothing() {
     let watched = std::fs::read_to_string(home.path().join("out/signals.csv")).unwrap();
     assert!(watched == alone, "the recorder changed the run");
     left_nothing(&summary, ended, "");
+}
+
+/// The recording goes to a pipe, which takes 64 KiB and then nothing until somebody reads on: longer than the physics
+/// would wait for a recorder that takes no frames, and longer than a recorder may be silent at the end.
+#[test]
+fn a_disk_that_stands_still_loses_nothing() {
+    let window = ["--until", "0.4 s", "--set", "run.deadline=8 s", "--set", "outputs.frames=1 us"];
+    let record = ["--quiet", "--set", "outputs.record=true", "--set"];
+    let whole = run_text(SMALL, &[&window[..], &record[..3]].concat()).succeeded();
+    let whole = std::fs::read(whole.out.join("run.mcap")).unwrap();
+    assert!(whole.len() > 1 << 20, "{} bytes fit into the pipe", whole.len());
+
+    let home = tempfile::tempdir().unwrap();
+    let pipe = home.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let file = format!("settings.recorder.file={pipe:?}");
+    let reader = std::thread::spawn(move || {
+        let mut reader = File::open(pipe).unwrap();
+        let mut bytes = vec![0; 100_000];
+        reader.read_exact(&mut bytes).unwrap();
+        std::thread::sleep(Duration::from_secs(8));
+        reader.read_to_end(&mut bytes).unwrap();
+        bytes
+    });
+    let ran = run_text(SMALL, &[&window[..], &record, &[&*file]].concat()).succeeded();
+    assert!(!ran.errors().contains("is lost"), "{}", ran.errors());
+    let piped = reader.join().unwrap();
+    assert!(piped == whole, "{} bytes, expected {}\n{}", piped.len(), whole.len(), ran.errors());
 }

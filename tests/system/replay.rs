@@ -21,6 +21,7 @@ fn replay(out: &Path, component: &str, options: &[&str]) -> (Option<i32>, String
 
 #[track_caller]
 fn assert_same(ran: &Ran, component: &str, options: &[&str]) {
+    assert!(!ran.errors().contains("is lost"), "{}", ran.errors());
     let last = ran.summary()["windows"].as_u64().unwrap();
     let (code, said) = replay(&ran.out, component, options);
     assert_eq!(code, Some(0), "{said}");

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use tremie_sdk::state::StateError;
 use tremie_sdk::sync;
 
@@ -16,8 +18,10 @@ pub struct Series {
     path: PathBuf,
     file: File,
     entries: Vec<Entry>,
-    /// Number of moments, from the first one on, whose files the disk surely has.
+    /// Number of moments, from the first one on, whose files the disk was asked for.
     synced: usize,
+    /// The first of these that it refused; `usize::MAX` for none.
+    refused: Arc<AtomicUsize>,
     /// Length of the collection without its tail.
     len: u64,
 }
@@ -51,24 +55,29 @@ impl Series {
     pub fn of(path: &Path, entries: Vec<Entry>) -> io::Result<Self> {
         let len = write(path, &entries)?;
         let file = OpenOptions::new().write(true).open(path)?;
-        Ok(Self { path: path.into(), file, synced: entries.len(), entries, len })
+        let refused = Arc::new(AtomicUsize::new(usize::MAX));
+        Ok(Self { path: path.into(), file, synced: entries.len(), refused, entries, len })
     }
 
-    /// Waits until the disk has the collection and its files.
-    ///
-    /// # Errors
-    /// If the disk refuses.
-    pub fn sync(&mut self) -> Result<(), StateError> {
+    /// Waits, when called, until the disk has the collection and its files as they are now.
+    pub fn on_disk(&mut self) -> impl FnOnce() -> Result<(), StateError> + use<> {
+        let refused = self.refused.swap(usize::MAX, Ordering::Relaxed);
+        let (first, path) = (self.synced.min(refused), self.path.clone());
         let folder = self.folder();
-        let mut before = None;
-        for entry in &self.entries[self.synced..] {
-            if before != Some(&entry.file) {
-                sync(&folder.join(&entry.file))?;
-                before = Some(&entry.file);
-            }
-        }
+        let new = &self.entries[first.min(self.entries.len())..];
+        let mut files: Vec<PathBuf> = new.iter().map(|entry| folder.join(&entry.file)).collect();
+        files.dedup();
+        files.push(path);
+        // Those that the disk refuses are tried again with the next ones.
+        let told = self.refused.clone();
         self.synced = self.entries.len();
-        sync(&self.path)
+        move || {
+            let synced = files.iter().try_for_each(|file| sync(file));
+            if synced.is_err() {
+                told.fetch_min(first, Ordering::Relaxed);
+            }
+            synced
+        }
     }
 
     fn folder(&self) -> &Path {

@@ -89,11 +89,11 @@ fn open_about(setup: &Setup, folder: &Path) -> Result<File, ObserverError> {
 }
 
 impl Fields {
-    /// Waits until the disk has all files.
-    fn sync(&mut self) -> Result<(), StateError> {
-        self.series.values_mut().try_for_each(Series::sync)?;
-        sync(&self.folder.join("about.txt"))?;
-        sync(&self.folder)
+    /// Says that a state goes on from all files.
+    fn rely_on_files(&mut self, state: &mut StateExchange<'_>) {
+        self.series.values_mut().for_each(|series| state.relies_on(series.on_disk()));
+        let folder = self.folder.clone();
+        state.relies_on(move || sync(&folder.join("about.txt")).and_then(|()| sync(&folder)));
     }
 
     /// Goes on with the files of these moments.
@@ -240,7 +240,7 @@ impl Observer for Fields {
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
         if !state.restores() {
-            self.sync()?;
+            self.rely_on_files(state);
         }
         let entries =
             |(base, series): (&String, &Series)| (base.clone(), series.entries().to_vec());

@@ -62,9 +62,8 @@ impl ProfileFiles {
 
     /// The arrays are written from the tables when the run ends: these are kept, too.
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        if !state.restores() {
-            sync(&self.path)?;
-        }
+        let path = self.path.clone();
+        state.relies_on(move || sync(&path));
         let head = |table: &ProfileTable| (table.window, table.times, table.samples);
         let mut heads: Vec<_> = self.tables.iter().map(head).collect();
         let mut bins: Vec<u8> =
@@ -189,9 +188,8 @@ impl Observer for ProfileWriter {
     }
 
     fn exchange_state(&mut self, state: &mut StateExchange<'_>) -> Result<(), StateError> {
-        if !state.restores() {
-            sync(&self.folder)?;
-        }
+        let folder = self.folder.clone();
+        state.relies_on(move || sync(&folder));
         self.profiles.iter_mut().try_for_each(|files| {
             let name = files.profile.name.clone();
             state.within(&name, |state| files.exchange_state(state))

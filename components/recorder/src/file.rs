@@ -6,8 +6,10 @@ use crate::hashes::hash_fields;
 use crate::schema;
 use crate::signals::{fields, identifier};
 use crate::windows::Stream;
+use crate::write_behind::{Pieces, WriteBehind};
 use mcap::read::ChunkReader;
 use mcap::records::{Channel, MessageHeader, Metadata, Record};
+use mcap::write::NoSeek;
 use mcap::{Compression, McapError, McapResult, WriteOptions, Writer};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,8 +19,8 @@ use tremie_messages::start::{SentChannel, Signal};
 
 /// A chunk is closed when it holds this many bytes ..
 const CHUNK_BYTES: usize = 4 << 20;
-/// .. or this many windows: what a killed recorder loses at most. Never by the clock, which would
-/// make files of identical runs differ.
+/// .. or this many windows: what a killed recorder loses at most, and what the disk was too slow for. Never by
+/// the clock, which would make files of identical runs differ.
 const CHUNK_WINDOWS: u32 = 64;
 
 /// Name of the program that wrote the file; fixed, as all of the file.
@@ -61,7 +63,8 @@ pub struct Known {
 
 /// An MCAP file being written.
 pub struct McapFile {
-    writer: Writer<BufWriter<File>>,
+    writer: Writer<NoSeek<BufWriter<WriteBehind>>>,
+    pieces: Pieces,
     channels: BTreeMap<String, u16>,
     extent: Extent,
     /// Bytes in the chunk that is open.
@@ -81,10 +84,13 @@ impl McapFile {
             // A chunk then reaches the file in one piece, and a killed recorder leaves no half of
             // one.
             .disable_seeking(true);
-        let mut writer = options.create(BufWriter::new(file))?;
+        let file = WriteBehind::new(file)?;
+        let pieces = file.pieces();
+        let mut writer = options.create(NoSeek::new(BufWriter::new(file)))?;
         writer.write_metadata(&Metadata { name: RUN.into(), metadata: run })?;
         let mut file = Self {
             writer,
+            pieces,
             channels: BTreeMap::new(),
             extent: Extent::default(),
             bytes: 0,
@@ -178,7 +184,7 @@ impl McapFile {
         self.close_chunk()
     }
 
-    /// Closes the chunk: then the file has it.
+    /// Closes the chunk, which is on its way to the file then.
     pub fn close_chunk(&mut self) -> McapResult<()> {
         self.extent.chunks += 1;
         self.extent.entries += self.open.len() as u64;
@@ -186,6 +192,11 @@ impl McapFile {
         self.bytes = 0;
         self.open.clear();
         self.writer.flush()
+    }
+
+    /// What is on its way to the file.
+    pub fn pieces(&self) -> Pieces {
+        self.pieces.clone()
     }
 
     /// How far it was written.
@@ -244,13 +255,13 @@ impl McapFile {
         Ok(())
     }
 
-    /// Writes the last metadata record and the index.
+    /// Writes the last metadata record and the index, and waits until the file has all.
     pub fn finish(mut self, last_common_window: u64) -> McapResult<()> {
         let metadata =
             BTreeMap::from([("last_common_window".to_string(), last_common_window.to_string())]);
         self.writer.write_metadata(&Metadata { name: END.into(), metadata })?;
         self.writer.finish()?;
         self.writer.into_inner().flush()?;
-        Ok(())
+        Ok(self.pieces.settle()?)
     }
 }

@@ -76,6 +76,7 @@ mod resumption;
 mod schema;
 mod signals;
 pub mod windows;
+mod write_behind;
 
 pub use comparison::{Channel, Comparison, HashComparison, Place, compare};
 pub use differences::{Differences, FieldDifference, Number};

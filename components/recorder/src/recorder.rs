@@ -203,8 +203,8 @@ impl Observer for Recorder {
             Some(file) => file.extent(),
             None => return state.unfit(CLOSED),
         };
-        if !state.restores() {
-            beginning.sync()?;
+        if let Some(file) = file.as_ref().filter(|_| !state.restores()) {
+            state.relies_on(beginning.on_disk(file.pieces()));
         }
         state.value("file", &mut reached)?;
         let open = file.iter().flat_map(McapFile::open_entries);

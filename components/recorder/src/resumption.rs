@@ -10,6 +10,7 @@ use crate::entry::Entry;
 use crate::file::{Columns, Extent, Known, McapFile};
 use crate::records::Records;
 use crate::windows::Stream;
+use crate::write_behind::Pieces;
 use mcap::read::ChunkReader;
 use mcap::records::Record;
 use serde_json::Value;
@@ -41,14 +42,15 @@ impl Beginning {
             .map_err(|error| ObserverError::output(&self.path, &error))
     }
 
-    /// Waits until the disk has all closed chunks. The open one stays open: where a chunk ends must not
-    /// depend on when a checkpoint is made.
-    ///
-    /// # Errors
-    /// If the disk refuses.
-    pub fn sync(&self) -> Result<(), StateError> {
-        sync(&self.path)?;
-        self.path.parent().filter(|folder| *folder != Path::new("")).map_or(Ok(()), sync)
+    /// Waits, when called, until the disk has all closed chunks, of which some are on their way. The open one stays
+    /// open: where a chunk ends must not depend on when a checkpoint is made.
+    pub fn on_disk(&self, pieces: Pieces) -> impl FnOnce() -> Result<(), StateError> + use<> {
+        let path = self.path.clone();
+        move || {
+            settle(&pieces, &path)?;
+            sync(&path)?;
+            path.parent().filter(|folder| *folder != Path::new("")).map_or(Ok(()), sync)
+        }
     }
 
     /// Goes on with the file of the run before, whose open chunk held `open`; `columns` has those of a
@@ -70,6 +72,7 @@ impl Beginning {
         let beside = beside(&path);
         let file = own_file(&beside).map_err(|error| StateError::Unfit(error.to_string()))?;
         let begun = self.copy(old, file, reached).and_then(|mut file| {
+            settle(&file.pieces(), &beside)?;
             sync(&beside)?;
             std::fs::rename(&beside, &path).map_err(|error| self.unfit(&error))?;
             path.parent().map_or(Ok(()), sync)?;
@@ -147,6 +150,11 @@ impl Beginning {
     fn unfit_text(&self, why: &str) -> StateError {
         StateError::Unfit(format!("the run cannot go on with {}: {why}", self.path.display()))
     }
+}
+
+/// Waits until the file at `path` has its pieces.
+fn settle(pieces: &Pieces, path: &Path) -> Result<(), StateError> {
+    pieces.settle().map_err(|error| StateError::Io { path: path.to_path_buf(), error })
 }
 
 /// The file that is written beside another until it takes its place.

@@ -1,7 +1,7 @@
 //! Keeping the states of a component for checkpoints, and putting one back.
 //!
-//! A component stands still only while its state is copied in memory. A thread then writes the copy
-//! and tells the orchestrator when the disk has it.
+//! A component stands still only while its state is copied in memory. A thread then waits until the disk has the
+//! files that the state goes on from, writes the copy, and tells the orchestrator when the disk has that, too.
 
 use crate::line::Replier;
 use crate::roles::no_state;
@@ -57,13 +57,14 @@ impl StateKeeper {
             header: StateHeader::whole(&self.component, &self.program, version, window),
             within: String::new(),
         };
-        let state = match SavedState::told_for(Some(&place), tell) {
-            Ok(state) => state,
+        let (state, reliances) = match SavedState::told_for(Some(&place), tell) {
+            Ok(told) => told,
             Err(error) => return tell_kept(&replier, window, Err(error)),
         };
         let copied = begin.elapsed().as_nanos() as u64;
         let write = move || {
-            let written = state.write(&place.path, &place.header);
+            let write = || state.write(&place.path, &place.header);
+            let written = reliances.settle().and_then(|()| write());
             tell_kept(&replier, window, written.map(|bytes| (bytes, copied)));
         };
         self.writer = Some(std::thread::spawn(write));

@@ -3,7 +3,7 @@
 use crate::context::Context;
 use crate::frames::frame_spec;
 use crate::keep::StateKeeper;
-use crate::line::ControlPipe;
+use crate::line::{ControlPipe, Replier};
 use crate::observer::{Moment, Observer, ObserverError};
 use crate::program::Participant;
 use crate::sent::CopiedMessage;
@@ -12,6 +12,7 @@ use crate::setup::Setup;
 use crate::stop::Stop;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Received, Receiver};
 use tremie_messages::frame::{
@@ -26,7 +27,7 @@ use tremie_state::StateError;
 
 /// Sleep of an observer when there is nothing to see and nobody rings.
 const NAP: Duration = Duration::from_millis(50);
-/// Time between the signs of an observer at the run's end that it is still taking frames.
+/// Time between the signs of an observer at the run's end that it is still taking frames, or writing.
 const PULSE: Duration = Duration::from_millis(500);
 
 enum FrameReceiver<S: ChannelMedium> {
@@ -187,7 +188,7 @@ fn serve_observer<S: ChannelMedium, O: Observer>(
             .unwrap_or_else(|panic| {
                 Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
             });
-    checkpoints.keeper.wait();
+    busy_while(&context.line().replier(), || checkpoints.keeper.wait());
     let reply = match ended {
         Ok((window, note)) => Reply::Finished { window, note },
         Err(stop) => match stop.into_fault(&hello.component, context.window) {
@@ -273,14 +274,31 @@ impl Checkpoints {
     }
 }
 
+/// Does what may take long on a slow disk, and tells the orchestrator meanwhile that this process has not hung.
+fn busy_while<T>(replier: &Replier, work: impl FnOnce() -> T) -> T {
+    let (ended, is_ended) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while is_ended.recv_timeout(PULSE) == Err(RecvTimeoutError::Timeout) {
+                // A closed line ends the observer elsewhere.
+                let _ = replier.reply(&Reply::Busy {});
+            }
+        });
+        let done = work();
+        drop(ended);
+        done
+    })
+}
+
 /// Closes the observer's outputs; returns the run's last window and a note for the summary.
 fn close<S: ChannelMedium, O: Observer>(
     observer: &mut O,
-    context: &Context<S>,
+    context: &mut Context<S>,
     inlets: &[Inlet<S>],
 ) -> Result<(u64, String), Stop> {
     let last = context.granted().unwrap_or(0);
-    let note = observer.close(last).map_err(|error| wrong(context, error))?;
+    let closed = busy_while(&context.line().replier(), || observer.close(last));
+    let note = closed.map_err(|error| wrong(context, error))?;
     let lost: u64 = inlets.iter().map(|inlet| inlet.lost).sum();
     let skipped = if lost > 0 { format!(" ({lost} frames skipped)") } else { String::new() };
     Ok((last, note + &skipped))

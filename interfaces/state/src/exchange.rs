@@ -3,6 +3,7 @@
 use crate::error::StateError;
 use crate::number::{StateNumber, describe, shape_of};
 use crate::parts::{SharedRows, StatePart, StatePlace};
+use crate::reliances::Reliances;
 use crate::saved::{Content, SavedEntry, room_for};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -36,6 +37,7 @@ pub struct StateExchange<'a> {
     /// The file, where there is one.
     place: Option<&'a StatePlace>,
     part: StatePart,
+    reliances: Reliances,
 }
 
 enum Way<'a> {
@@ -78,8 +80,8 @@ impl<'a> StateExchange<'a> {
     }
 
     fn along(way: Way<'a>, place: Option<&'a StatePlace>) -> Self {
-        let (names, within, part) = Default::default();
-        Self { way, names, within, place, part }
+        let (names, within, part, reliances) = Default::default();
+        Self { way, names, within, place, part, reliances }
     }
 
     /// True if a state is put back.
@@ -99,8 +101,16 @@ impl<'a> StateExchange<'a> {
         self.part = part;
     }
 
-    pub(crate) fn part(&self) -> StatePart {
-        self.part
+    /// Says that a kept state goes on from files that the disk may not have yet: `wait` returns when it has. It is
+    /// called before the state itself is written, while the component goes on. Where a state is put back it is not.
+    pub fn relies_on(&mut self, wait: impl FnOnce() -> Result<(), StateError> + Send + 'static) {
+        if !self.restores() {
+            self.reliances.add(Box::new(wait));
+        }
+    }
+
+    pub(crate) fn into_part_and_reliances(self) -> (StatePart, Reliances) {
+        (self.part, self.reliances)
     }
 
     /// Puts a name before the names that `tell` gives.

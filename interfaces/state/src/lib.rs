@@ -43,6 +43,7 @@ mod exchange;
 mod number;
 pub mod numpy;
 mod parts;
+mod reliances;
 mod saved;
 
 pub use archive::{StateArchive, StateHeader};
@@ -50,4 +51,5 @@ pub use error::StateError;
 pub use exchange::{KeepsState, StateExchange};
 pub use number::StateNumber;
 pub use parts::{SharedRows, StatePart, StatePlace, bytes_on_disk};
+pub use reliances::Reliances;
 pub use saved::SavedState;

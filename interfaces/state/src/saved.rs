@@ -4,6 +4,7 @@ use crate::error::StateError;
 use crate::exchange::{EntryReader, EntrySource, KeepsState, StateExchange};
 use crate::number::{StateNumber, shape_of};
 use crate::parts::{StatePart, StatePlace};
+use crate::reliances::Reliances;
 
 /// A state that was taken out of a component. Taking it costs a copy in memory; a file of it may be written
 /// while the component goes on.
@@ -64,29 +65,29 @@ impl SavedState {
         Self::told(|state| component.exchange_state(state))
     }
 
-    /// The state that `tell` names.
+    /// The state that `tell` names, for memory alone.
     ///
     /// # Errors
     /// Those of `tell`, or two entries that are named alike.
     pub fn told(
         tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
     ) -> Result<Self, StateError> {
-        Self::told_for(None, tell)
+        Ok(Self::told_for(None, tell)?.0)
     }
 
-    /// The state that `tell` names, for a file.
+    /// The state that `tell` names, for a file, and the files that must be on the disk before.
     ///
     /// # Errors
     /// As [`SavedState::told`].
     pub fn told_for(
         place: Option<&StatePlace>,
         tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
-    ) -> Result<Self, StateError> {
+    ) -> Result<(Self, Reliances), StateError> {
         let mut entries = Vec::new();
         let mut exchange = StateExchange::saving(&mut entries, place);
         tell(&mut exchange)?;
-        let part = exchange.part();
-        Ok(Self { entries, part })
+        let (part, reliances) = exchange.into_part_and_reliances();
+        Ok((Self { entries, part }, reliances))
     }
 
     /// Puts the state back into a component that was made anew from the same scene.

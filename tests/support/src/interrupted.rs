@@ -142,7 +142,9 @@ fn keep<O: Observer>(observer: &mut O, output: &Path, window: u64) {
     let folder = checkpoint::folder(output, window);
     std::fs::create_dir_all(&folder).expect("a folder");
     let header = StateHeader::whole("observer", &program::<O>(), STATE_VERSION, window);
-    let state = SavedState::told(|state| observer.exchange_state(state)).expect("a state");
+    let told = SavedState::told_for(None, |state| observer.exchange_state(state));
+    let (state, reliances) = told.expect("a state");
+    reliances.settle().expect("files on the disk");
     state.write(&checkpoint::state_file(&folder, "observer"), &header).expect("a file");
 }
 

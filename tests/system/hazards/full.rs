@@ -5,7 +5,7 @@ use super::hazard::{Moment, Target};
 use super::scenes::{Disturbable, SCENES};
 use super::watched::WatchedRun;
 use crate::mounts::with_mount;
-use crate::resume::{assert_same, checkpoints};
+use crate::resume::{assert_same, assert_same_outputs, assert_same_states, checkpoints};
 use crate::tremie::{SMALL, run_text, script, tremie};
 use std::path::Path;
 use std::process::Command;
@@ -119,7 +119,18 @@ impl FullDisk {
         }
         assert!(self.text("again").contains("No space left on device"), "{about}");
         assert_eq!(self.code("second"), 0, "{}: {about}", self.text("second"));
-        assert_same(&whole.home.path().join("out"), &self.home.path().join("out"));
+        let (whole, own) = (whole.home.path().join("out"), self.home.path().join("out"));
+        assert_same_outputs(&whole, &own);
+        let (all, kept) = (checkpoints(&whole), checkpoints(&own));
+        assert!(kept.iter().all(|name| all.contains(name)), "{kept:?}\n{about}");
+        // A try that failed may have had room for a later one, from which the next went on.
+        let said = first + &self.text("again");
+        for name in all.iter().filter(|name| !kept.contains(name)) {
+            let window: u64 = name.trim_start_matches("window-").parse().unwrap();
+            let told = format!("no checkpoint of window {window}:");
+            assert!(said.contains(&told), "{told} {kept:?}\n{about}");
+        }
+        assert_same_states(&whole, &own, &kept);
         "went on to the same bits"
     }
 }

@@ -14,6 +14,9 @@ use tremie_messages::units;
 const FIRST_FRAMES: Duration = Duration::from_secs(10);
 /// Longest time without progress of an observer, once all is sent; then it has hung.
 const SILENCE: Duration = Duration::from_secs(5);
+/// Longest time for an observer to close its files, once all is sent: the record of a long run is worth more than
+/// the seconds for which a shared disk stands still.
+const CLOSING: Duration = Duration::from_secs(60);
 
 impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Gives an observer up that failed: a warning, and nothing waits for it any longer.
@@ -70,7 +73,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     }
 
     /// Tells observers that all is sent, and waits until they have written it: as long as each
-    /// shows progress, but no longer than the deadline.
+    /// shows progress, but no longer than a minute, or the deadline where that is longer.
     pub(super) fn finish_observers(&mut self, state: &mut LoopState, window: u64) {
         let observers: Vec<usize> = (0..self.peers.len())
             .filter(|index| !self.physics.contains(index) && !state.finished[*index])
@@ -80,7 +83,12 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         }
         let begin = Instant::now();
         state.heard.fill(begin);
+        let mut told = false;
         while observers.iter().any(|index| !state.finished[*index]) {
+            if !told && begin.elapsed() > SILENCE / 2 {
+                told = true;
+                self.tell_who_closes(state, &observers);
+            }
             for index in &observers {
                 if let Some(why) = self.waited_enough(state, *index, begin) {
                     let _ = self.lose_observer(state, *index, &why);
@@ -88,6 +96,14 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             }
             self.take_last_events(state, Duration::from_millis(5));
         }
+    }
+
+    /// Says for whom the run waits, which may be long.
+    fn tell_who_closes(&self, state: &LoopState, observers: &[usize]) {
+        let late = observers.iter().filter(|index| !state.finished[**index]);
+        let names: Vec<&str> = late.map(|index| self.peers[*index].name.as_str()).collect();
+        let names = names.join(", ");
+        self.terminal.say(&format!("waiting for files of {names}; Ctrl-C to end without"));
     }
 
     /// Handles arrivals when the physics is over: a fault now concerns observers only, and the files that
@@ -102,8 +118,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
 
     /// Reason to wait no longer for observer `index`, told to finish at `begin`; `None` to wait on.
     fn waited_enough(&self, state: &LoopState, index: usize, begin: Instant) -> Option<String> {
-        // A deadline that is short for physics still leaves a moment to close files.
-        let most = units::wait(self.deadline).max(SILENCE);
+        let most = units::wait(self.deadline).max(CLOSING);
         if state.finished[index] {
             None
         } else if self.interrupts.load(Ordering::Relaxed) > state.asked {
@@ -112,7 +127,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             Some(format!("it did not finish: no progress within {} s", SILENCE.as_secs()))
         } else if begin.elapsed() > most {
             let seconds = most.as_secs_f64();
-            Some(format!("it did not finish within {seconds} s (run.deadline)"))
+            Some(format!("it did not finish within {seconds} s"))
         } else {
             None
         }
