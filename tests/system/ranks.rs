@@ -145,10 +145,74 @@ fn a_valve_with_rubber_and_grains_on_ranks() {
     }
 }
 
+/// A user sees where the time of ranks goes: by window in a trace, and before a run in a finding.
+#[test]
+#[ignore = "it needs MPI"]
+fn ranks_tell_their_times() {
+    allow_ranks();
+    let text = on_ranks(STREAM, 2, "60 s");
+    let ran = run_text(&text, &["--until", "4 ms", "--trace=11-20"]).succeeded();
+    let trace: Value =
+        serde_json::from_str(&std::fs::read_to_string(ran.out.join("trace.json")).unwrap())
+            .unwrap();
+    let events = trace.as_array().unwrap();
+    let tracks: Vec<_> = events.iter().filter(|event| event["ph"] == "M").collect();
+    let names: Vec<_> =
+        tracks.iter().map(|track| track["args"]["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["fluid", "grains", "fluid rank 0", "fluid rank 1"]);
+    let windows = |name: &str, track: usize| -> Vec<u64> {
+        let own = |event: &&Value| event["name"] == name && event["tid"] == tracks[track]["tid"];
+        events.iter().filter(own).map(|event| event["args"]["window"].as_u64().unwrap()).collect()
+    };
+    for rank in [2, 3] {
+        assert_eq!(windows("compute", rank), (11..=20).collect::<Vec<_>>());
+        assert_eq!(windows("wait for ranks", rank), (11..=20).collect::<Vec<_>>());
+    }
+    let ranks = &ran.summary()["components"]["fluid"]["ranks"];
+    assert_eq!((&ranks["windows"], ranks["compute"].as_array().unwrap().len()), (&10.into(), 2));
+    let share = |key: &str| ranks[key].as_f64().unwrap();
+    let whole = share("efficiency") + share("imbalance") + share("messages");
+    assert!((whole - 1.0).abs() < 1e-9 && share("efficiency") > 0.05, "{ranks}");
+
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, text).unwrap();
+    let checked = tremie().args(["check", "--measure"]).arg(&manifest).output().unwrap();
+    let said = String::from_utf8([checked.stdout, checked.stderr].concat()).unwrap();
+    assert!(said.contains("efficiency of ranks") && said.contains("2 ranks compute"), "{said}");
+}
+
 /// Words of the launcher of so many ranks, for `--set`.
 fn launched(ranks: usize) -> String {
     let launcher = std::env::var("TREMIE_MPIEXEC").unwrap_or_else(|_| "mpiexec".into());
     format!("settings.fluid-lbm-mpi.launch=[\"{launcher}\", \"-n\", \"{ranks}\"]")
+}
+
+/// A run of one process goes on on ranks, and one on ranks in one process.
+#[test]
+#[ignore = "it needs MPI"]
+fn one_process_and_ranks_go_on_from_each_others_checkpoints() {
+    allow_ranks();
+    let every = "run.checkpoints={ windows = 150, keep = 99 }";
+    let text = STREAM.replace("until = \"50 ms\"", "until = \"24 ms\"");
+    let whole = run_text(&text, &[]).succeeded();
+    let options = ["--set", every, "--inject", "grains:kill@400"];
+    let on_two = on_ranks(&text, 2, "60 s");
+    let to_ranks = [launched(2), "components.fluid=fluid-lbm-mpi".into()];
+    let to_one = ["components.fluid=fluid-lbm".into()];
+    for (text, sets) in [(&text, &to_ranks[..]), (&on_two, &to_one)] {
+        let broken = run_text(text, &options);
+        assert_eq!(broken.code(), Some(1), "{}", broken.errors());
+        let mut resume = tremie();
+        resume.arg("resume").arg(&broken.out).arg("--quiet");
+        for set in sets {
+            resume.args(["--set", set]);
+        }
+        let resumed = resume.output().unwrap();
+        let errors = String::from_utf8_lossy(&resumed.stderr).into_owned();
+        assert!(resumed.status.success(), "{sets:?}: {errors}");
+        assert_same(&whole, &broken, &format!("{sets:?}"));
+    }
 }
 
 /// A run on four ranks that a fault breaks off goes on from its checkpoint on four, two and three, and ends with the

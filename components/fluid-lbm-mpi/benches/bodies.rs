@@ -10,16 +10,16 @@
 #[path = "../src/daemon.rs"]
 mod daemon;
 #[cfg(feature = "mpi")]
-#[allow(dead_code, reason = "the program uses the rest")]
-#[path = "../src/fault_line.rs"]
-mod fault_line;
-#[cfg(feature = "mpi")]
 #[path = "../src/kept_memory.rs"]
 mod kept_memory;
 #[cfg(feature = "mpi")]
 #[allow(dead_code, reason = "the program uses the rest")]
 #[path = "../src/mpi_ranks.rs"]
 mod mpi_ranks;
+#[cfg(feature = "mpi")]
+#[allow(dead_code, reason = "the program uses the rest")]
+#[path = "../src/run_line.rs"]
+mod run_line;
 
 #[cfg(feature = "mpi")]
 mod timed {

@@ -15,6 +15,8 @@ pub enum Call {
     Advance {
         /// Steps in it.
         substeps: u32,
+        /// The ranks tell their times.
+        is_timed: bool,
     },
     /// The vertices of surfaces that deform behind it.
     Surface,
@@ -63,7 +65,7 @@ mod tests {
     fn calls_arrive_as_they_were_made() {
         let calls = [
             Call::Create,
-            Call::Advance { substeps: 12 },
+            Call::Advance { substeps: 12, is_timed: true },
             Call::Slice("velocity".into(), 77),
             Call::Quit,
         ];

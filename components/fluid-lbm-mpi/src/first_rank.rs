@@ -1,11 +1,12 @@
 //! Rank 0: the component that the run knows.
 
 use crate::calls::Call;
-use crate::fault_line::FaultLine;
 use crate::mpi_ranks::MpiRanks;
+use crate::run_line::RunLine;
+use crate::timed_window::TimedWindow;
 use std::cell::RefCell;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 use tremie_fluid_lbm::Communicator;
 use tremie_fluid_lbm::component::LbmComponent;
 use tremie_sdk::messages::frame::{SliceHeader, SliceNode, VolumeHeader};
@@ -40,7 +41,7 @@ pub fn main(ranks: MpiRanks) -> ExitCode {
     RANKS.set(Some(ranks.clone()));
     let role = Component::ROLE.name();
     let code = tremie_sdk::main_of(&Component::program(), role, |line| {
-        ranks.set_line(FaultLine::new(line.replier()));
+        ranks.set_line(RunLine::new(line.replier()));
         tremie_sdk::run::<Component>(line)
     });
     ranks.tell(&Call::Quit.head(), &[]);
@@ -83,7 +84,9 @@ impl MpiFluid {
 }
 
 impl Fluid for MpiFluid {
-    const PROGRAM: &'static str = concat!("fluid-lbm-mpi ", env!("CARGO_PKG_VERSION"));
+    /// Its first word names the states, which are those of one process.
+    const PROGRAM: &'static str =
+        concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"), " on ranks of MPI");
     const TAKES_SURFACES: bool = true;
     const TELLS_PORTS: bool = true;
 
@@ -108,7 +111,8 @@ impl Fluid for MpiFluid {
         ranks.set_deadline(deadline);
         let begun = setup.assigned()?.resume.as_ref().filter(|resume| !resume.bodies_only);
         let window = begun.map_or(0, |resume| resume.window);
-        ranks.on_line(|line| line.begin(&setup.hello.component, window));
+        let timed = setup.assigned()?.timed;
+        ranks.on_line(|line| line.begin(&setup.hello.component, window, timed));
         // The ranks of a host share the threads that the component has there.
         let threads = of_lattice.hello.threads / ranks.on_this_host() as u32;
         of_lattice.hello.threads = threads.max(1);
@@ -136,9 +140,17 @@ impl Fluid for MpiFluid {
         bodies: &[BodyState],
         loads: &mut [Load],
     ) -> Result<(), SolverError> {
-        self.ranks.on_line(FaultLine::next_window);
-        self.call(&Call::Advance { substeps }, bytes_of(bodies));
-        self.share.advance(substeps, bodies, loads)
+        let is_timed = self.ranks.on_line(RunLine::next_window).unwrap_or(false);
+        let begun = is_timed.then(SystemTime::now);
+        self.call(&Call::Advance { substeps, is_timed }, bytes_of(bodies));
+        let window = TimedWindow::begin(&mut self.ranks);
+        self.share.advance(substeps, bodies, loads)?;
+        if let Some(begun) = begun {
+            let times = window.end(&mut self.ranks);
+            let since = begun.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+            self.ranks.on_line(|line| line.tell_times(since.as_nanos() as u64, times));
+        }
+        Ok(())
     }
 
     fn surface(&mut self, vertices: &[SurfaceVertex]) -> Result<(), SolverError> {

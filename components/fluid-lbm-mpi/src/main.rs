@@ -12,8 +12,6 @@ mod calls;
 #[cfg(feature = "mpi")]
 mod daemon;
 #[cfg(feature = "mpi")]
-mod fault_line;
-#[cfg(feature = "mpi")]
 mod first_rank;
 #[cfg(feature = "mpi")]
 mod kept_memory;
@@ -21,6 +19,10 @@ mod kept_memory;
 mod mpi_ranks;
 #[cfg(feature = "mpi")]
 mod other_ranks;
+#[cfg(feature = "mpi")]
+mod run_line;
+#[cfg(feature = "mpi")]
+mod timed_window;
 
 #[cfg(feature = "mpi")]
 fn main() -> ExitCode {

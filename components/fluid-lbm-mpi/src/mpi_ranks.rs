@@ -4,12 +4,12 @@
 //! there or the deadline has passed. Then rank 0 finds out who does not answer, says so, and ends all ranks.
 
 use crate::daemon::end_daemon;
-use crate::fault_line::FaultLine;
+use crate::run_line::RunLine;
 use mpi::collective::SystemOperation;
 use mpi::environment::Universe;
 use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
 use mpi::traits::{AsRaw, Communicator as _, Equivalence};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ffi::{c_int, c_void};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -52,8 +52,10 @@ struct Common {
     /// Host and process of each rank.
     names: Vec<String>,
     deadline: RefCell<Duration>,
+    /// Time in waits for other ranks, and in sending to them, since it was last taken.
+    among_ranks: Cell<Duration>,
     /// Rank 0's way to tell the run of a fault.
-    line: RefCell<Option<FaultLine>>,
+    line: RefCell<Option<RunLine>>,
 }
 
 // SAFETY: the handles are used by one thread at a time, the one that computes; MPI was asked to allow that thread to
@@ -79,6 +81,7 @@ impl MpiRanks {
             ranks: world.size(),
             names: Vec::new(),
             deadline: RefCell::new(Duration::from_secs(60)),
+            among_ranks: Cell::default(),
             line: RefCell::new(None),
         };
         let mut ranks = Self { common: Rc::new(common), swap: Rc::default() };
@@ -134,13 +137,23 @@ impl MpiRanks {
     }
 
     /// Sets the line on which rank 0 tells the run that it gives up.
-    pub fn set_line(&self, line: FaultLine) {
+    pub fn set_line(&self, line: RunLine) {
         *self.common.line.borrow_mut() = Some(line);
     }
 
-    /// Does something with that line.
-    pub fn on_line(&self, change: impl FnMut(&mut FaultLine)) {
-        self.common.line.borrow_mut().as_mut().into_iter().for_each(change);
+    /// Does something with that line, where there is one.
+    pub fn on_line<T>(&self, change: impl FnOnce(&mut RunLine) -> T) -> Option<T> {
+        self.common.line.borrow_mut().as_mut().map(change)
+    }
+
+    /// Time for which this rank waited for others, or sent to them, since this was last asked.
+    pub fn take_time_among_ranks(&self) -> Duration {
+        self.common.among_ranks.take()
+    }
+
+    fn count_among_ranks(&self, since: Instant) {
+        let time = &self.common.among_ranks;
+        time.set(time.get() + since.elapsed());
     }
 
     /// The next broadcast of rank 0, however long that takes: it is waiting for the run.
@@ -173,7 +186,7 @@ impl MpiRanks {
                 );
             }
             if done != 0 {
-                return;
+                return self.count_among_ranks(begin);
             }
             rounds += 1;
             if rounds.is_multiple_of(64) {
@@ -458,6 +471,7 @@ impl Communicator for MpiRanks {
     }
 
     fn begin_swap(&mut self, sends: &[Parcel], receives: &mut [Parcel]) {
+        let begin = Instant::now();
         let comm = self.common.comm;
         let mut requests = self.swap.borrow_mut();
         for parcel in receives {
@@ -483,6 +497,7 @@ impl Communicator for MpiRanks {
             }
             requests.push(request);
         }
+        self.count_among_ranks(begin);
     }
 
     fn end_swap(&mut self, _receives: &mut [Parcel]) {

@@ -3,6 +3,7 @@
 use crate::calls::Call;
 use crate::first_rank::part_of;
 use crate::mpi_ranks::MpiRanks;
+use crate::timed_window::TimedWindow;
 use std::path::Path;
 use std::process::ExitCode;
 use std::thread::JoinHandle;
@@ -15,7 +16,7 @@ use tremie_sdk::state::{SavedState, StateArchive, StateError, StatePart, StatePl
 use tremie_sdk::{Fluid, Setup, SolverError, log_line};
 
 /// Makes calls until rank 0 quits.
-pub fn serve(ranks: MpiRanks) -> ExitCode {
+pub fn serve(mut ranks: MpiRanks) -> ExitCode {
     let mut share = None;
     let mut writer = PartWriter::default();
     loop {
@@ -40,6 +41,12 @@ pub fn serve(ranks: MpiRanks) -> ExitCode {
             (Call::PutBack, Some(share)) => {
                 let _ = put_back(behind, share);
             }
+            (Call::Advance { substeps, is_timed }, Some(share)) => {
+                let window = TimedWindow::begin(&mut ranks);
+                if advance(substeps, behind, share).is_ok() && is_timed {
+                    window.end(&mut ranks);
+                }
+            }
             // A share that failed has failed on rank 0 as well, which says why and ends.
             (call, Some(share)) => drop(make(&call, behind, share)),
             (_, None) => {}
@@ -63,10 +70,6 @@ fn make(call: &Call, behind: &[u8], share: &mut LbmComponent) -> Result<(), Solv
         Call::Start => {
             let bodies = values_of(behind).unwrap_or_default();
             share.start(&bodies, &mut vec![Load::default(); bodies.len()])
-        }
-        Call::Advance { substeps } => {
-            let bodies = values_of(behind).unwrap_or_default();
-            share.advance(*substeps, &bodies, &mut vec![Load::default(); bodies.len()])
         }
         Call::Surface => share.surface(&values_of(behind).unwrap_or_default()),
         Call::Ports(count) => share.ports(&mut vec![PortState::default(); *count as usize]),
@@ -93,8 +96,13 @@ fn make(call: &Call, behind: &[u8], share: &mut LbmComponent) -> Result<(), Solv
             }
             Ok(())
         }
-        Call::Create | Call::Keep | Call::PutBack | Call::Quit => Ok(()),
+        Call::Create | Call::Advance { .. } | Call::Keep | Call::PutBack | Call::Quit => Ok(()),
     }
+}
+
+fn advance(substeps: u32, bodies: &[u8], share: &mut LbmComponent) -> Result<(), SolverError> {
+    let bodies = values_of(bodies).unwrap_or_default();
+    share.advance(substeps, &bodies, &mut vec![Load::default(); bodies.len()])
 }
 
 /// Writes the parts of states that this rank has, while it computes.

@@ -134,6 +134,7 @@ impl RunNote {
             transport: no_transport(),
             injections: Vec::new(),
             resume: None,
+            timed: None,
         }
     }
 }

@@ -6,6 +6,7 @@ mod checkpoint_folder;
 mod folder;
 mod judged_finding;
 mod log;
+mod rank_times;
 mod schedule_timing;
 mod signals;
 mod steering_record;
@@ -20,6 +21,7 @@ pub use checkpoint_folder::{
 pub use folder::{OutputError, RunFolder};
 pub use judged_finding::{JudgedFinding, WHOLE};
 pub use log::{LogLevel, RunLog};
+pub use rank_times::{RankShares, RankTimes};
 pub use schedule_timing::{ScheduleTiming, Worked};
 pub use signals::{SignalRow, SignalTable, Statistics};
 pub use steering_record::{ChangeRecord, forget_changes, read_changes, record_change};

@@ -1,7 +1,7 @@
 //! `summary.json`: ending of a run, its cost, its headline results with their resolution.
 
 use super::signals::Statistics;
-use super::{Breach, JudgedFinding, ScheduleTiming};
+use super::{Breach, JudgedFinding, RankShares, ScheduleTiming};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use tremie_messages::start::Fault;
@@ -93,11 +93,18 @@ pub struct ComponentSummary {
     pub resolution: BTreeMap<String, f64>,
     /// Doubtful things that it reported at the start.
     pub warnings: Vec<String>,
+    /// Where the time of its ranks went, in traced windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ranks: Option<RankShares>,
 }
 
 impl ComponentSummary {
     /// Sums up a component's reports.
-    pub fn new(description: &tremie_messages::start::Description, totals: ComponentTotals) -> Self {
+    pub fn new(
+        description: &tremie_messages::start::Description,
+        totals: ComponentTotals,
+        ranks: Option<RankShares>,
+    ) -> Self {
         let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
         let compute = seconds(totals.compute);
         Self {
@@ -110,6 +117,7 @@ impl ComponentSummary {
             work_rate: if compute > 0.0 { totals.work as f64 / compute } else { 0.0 },
             resolution: description.resolution.clone(),
             warnings: description.warnings.clone(),
+            ranks,
         }
     }
 }

@@ -3,15 +3,19 @@
 //!
 //! A component reports when it began a window and how long it waited, computed and exchanged in it.
 //! The three are drawn one after the other. Their lengths are exact. A component that exchanges
-//! inside the window waits more than once, so the borders between the three are not exact.
+//! inside the window waits more than once, so the borders between the three are not exact. The same holds for the
+//! ranks of a component that has some: each has a track of its own.
 
 use super::folder::OutputError;
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use tremie_messages::control::Report;
+use tremie_messages::start::RankTime;
 
 /// A trace file that is being written.
 #[derive(Debug)]
@@ -19,6 +23,10 @@ pub struct Trace {
     file: BufWriter<File>,
     path: PathBuf,
     windows: RangeInclusive<u64>,
+    /// Names of the components.
+    components: Vec<String>,
+    /// Track of each rank that has one, by component.
+    ranks: BTreeMap<(usize, usize), usize>,
     /// The machine's clock at the trace's zero [ns].
     zero: Option<u64>,
     is_empty: bool,
@@ -58,20 +66,31 @@ impl Trace {
     ) -> Result<Self, OutputError> {
         let file = BufWriter::new(File::create(path).map_err(OutputError::at(path))?);
         let path = path.to_path_buf();
-        let mut trace = Self { file, path, windows, zero: None, is_empty: true, is_closed: false };
-        for (tid, name) in components.enumerate() {
-            let args = Details::Name { name };
-            trace.write(&TraceEvent {
-                name: "thread_name",
-                ph: "M",
-                pid: 1,
-                tid,
-                ts: None,
-                dur: None,
-                args,
-            })?;
-        }
+        let components: Vec<String> = components.map(String::from).collect();
+        let mut trace = Self {
+            file,
+            path,
+            windows,
+            components: components.clone(),
+            ranks: BTreeMap::new(),
+            zero: None,
+            is_empty: true,
+            is_closed: false,
+        };
+        components.iter().enumerate().try_for_each(|(tid, name)| trace.name_track(tid, name))?;
         Ok(trace)
+    }
+
+    fn name_track(&mut self, tid: usize, name: &str) -> Result<(), OutputError> {
+        self.write(&TraceEvent {
+            name: "thread_name",
+            ph: "M",
+            pid: 1,
+            tid,
+            ts: None,
+            dur: None,
+            args: Details::Name { name },
+        })
     }
 
     /// Takes the report of component `index` on a window.
@@ -83,13 +102,56 @@ impl Trace {
         if !self.windows.contains(&window) {
             return Ok(());
         }
-        // The first report sets the zero: nanoseconds since 1970 would lose digits in a viewer's
-        // floats.
-        let zero = *self.zero.get_or_insert(report.begin);
-        let mut at = report.begin;
         let spans =
             [("wait", report.wait), ("compute", report.compute), ("exchange", report.exchange)];
-        for (name, length) in spans {
+        self.draw(index, window, report.begin, &spans)
+    }
+
+    /// Takes the times of the ranks of component `index` in a window that they began to compute at `begin`.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn take_ranks(
+        &mut self,
+        index: usize,
+        window: u64,
+        begin: u64,
+        ranks: &[RankTime],
+    ) -> Result<(), OutputError> {
+        if !self.windows.contains(&window) {
+            return Ok(());
+        }
+        for (rank, time) in ranks.iter().enumerate() {
+            let next = self.components.len() + self.ranks.len();
+            let track = match self.ranks.entry((index, rank)) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(new) => {
+                    new.insert(next);
+                    let component = self.components.get(index).map_or("", String::as_str);
+                    let name = format!("{component} rank {rank}");
+                    self.name_track(next, &name)?;
+                    next
+                }
+            };
+            let spans = [("compute", time.compute), ("wait for ranks", time.wait)];
+            self.draw(track, window, begin, &spans)?;
+        }
+        Ok(())
+    }
+
+    /// Draws spans one after the other on a track.
+    fn draw(
+        &mut self,
+        track: usize,
+        window: u64,
+        begin: u64,
+        spans: &[(&str, u64)],
+    ) -> Result<(), OutputError> {
+        // The first spans set the zero: nanoseconds since 1970 would lose digits in a viewer's
+        // floats.
+        let zero = *self.zero.get_or_insert(begin);
+        let mut at = begin;
+        for &(name, length) in spans {
             // Clocks of other components may have begun a little earlier.
             let ts = (at as i64 - zero as i64) as f64 * 1e-3;
             let (ts, dur) = (Some(ts), Some(length as f64 * 1e-3));
@@ -97,7 +159,7 @@ impl Trace {
                 name,
                 ph: "X",
                 pid: 1,
-                tid: index,
+                tid: track,
                 ts,
                 dur,
                 args: Details::Window { window },
@@ -145,6 +207,26 @@ mod tests {
     use super::*;
     use serde_json::Value;
     use tremie_messages::Stamp;
+
+    #[test]
+    fn ranks_have_tracks_behind_those_of_the_components() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trace.json");
+        let mut trace = Trace::create(&path, 1..=2, ["fluid", "grains"].into_iter()).unwrap();
+        let ranks = [(3_000, 1_000), (2_500, 1_500)];
+        let ranks = ranks.map(|(compute, wait)| RankTime { compute, wait });
+        (1..4).for_each(|window| trace.take_ranks(0, window, 7_000 * window, &ranks).unwrap());
+        trace.close().unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        let events: Vec<Value> = serde_json::from_str(&text).unwrap();
+        let names: Vec<&Value> = events.iter().filter(|e| e["ph"] == "M").collect();
+        let names: Vec<_> = names.iter().map(|e| (&e["tid"], &e["args"]["name"])).collect();
+        assert_eq!((names.len(), names[3]), (4, (&3.into(), &"fluid rank 1".into())));
+        let spans: Vec<&Value> = events.iter().filter(|e| e["ph"] == "X").collect();
+        assert_eq!(spans.len(), 8);
+        let last = (&spans[7]["name"], spans[7]["ts"].as_f64(), spans[7]["dur"].as_f64());
+        assert_eq!(last, (&"wait for ranks".into(), Some(9.5), Some(1.5)));
+    }
 
     #[test]
     fn spans_of_the_wanted_windows_follow_each_other() {

@@ -126,6 +126,7 @@ impl PlannedComponent {
             transport,
             injections: self.injections.clone(),
             resume,
+            timed: None,
         }
     }
 }

@@ -5,6 +5,7 @@
 //! friction.
 
 use crate::manifest::{self, ComponentSpec, Manifest, ManifestErrors};
+use crate::registry::settings_shared_with;
 use crate::run::origin::Takes;
 use std::path::Path;
 use tremie_messages::Role;
@@ -101,8 +102,11 @@ pub enum NotChanged {
 /// [`NotChanged`].
 pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Manifest, NotChanged> {
     let read = |sets| manifest::parse(file, text.into(), sets).map_err(NotChanged::Wrong);
-    let changed = read(sets)?;
-    let keys = manifest::differences(&read(&[])?, &changed);
+    let (before, changed) = (read(&[])?, read(sets)?);
+    let mut keys = manifest::differences(&before, &changed);
+    if physics(&before) == physics(&changed) {
+        keys.retain(|key| !is_of_program(key, &changed));
+    }
     only(MAY_CHANGE, keys).map(|()| changed)
 }
 
@@ -114,8 +118,9 @@ pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Man
 /// [`NotChanged`].
 pub fn branch(file: &Path, text: &str, manifest: &Manifest) -> Result<Takes, NotChanged> {
     let before = manifest::parse(file, text.into(), &[]).map_err(NotChanged::Wrong)?;
-    let keys = manifest::differences(&before, manifest);
+    let mut keys = manifest::differences(&before, manifest);
     if physics(&before) == physics(manifest) {
+        keys.retain(|key| !is_of_program(key, manifest));
         return only(&[MAY_CHANGE, OWN_OUTPUTS].concat(), keys).map(|()| Takes::States);
     }
     let grains = manifest.spec.components.iter().find(|component| component.role == Role::Grains);
@@ -143,9 +148,22 @@ fn physics(manifest: &Manifest) -> Vec<(Role, &str, &str)> {
     components.map(part).collect()
 }
 
-/// A component's role, name and program.
+/// A component's role, name and program, or the program whose settings and states that has.
 fn part(component: &ComponentSpec) -> (Role, &str, &str) {
-    (component.role, &component.name, &component.program)
+    let program = settings_shared_with(&component.program).unwrap_or(&component.program);
+    (component.role, &component.name, program)
+}
+
+/// True of a key that names the program of a component, or settings that no other program with its states has.
+fn is_of_program(key: &str, manifest: &Manifest) -> bool {
+    if let Some(settings) = key.strip_prefix("settings.") {
+        return settings_shared_with(settings).is_some();
+    }
+    let names = manifest.spec.components.iter().map(|component| &component.name);
+    names.map(|name| format!("components.{name}")).any(|whole| {
+        let rest = key.strip_prefix(&whole);
+        rest.is_some_and(|rest| rest.is_empty() || rest == ".program")
+    })
 }
 
 /// True of keys that say how a component works and not what it does.
@@ -187,6 +205,36 @@ mod tests {
             is_within("stop_when[0].above", "stop_when") && is_within("stop_when", "stop_when")
         );
         assert!(!is_within("outputs_of", "outputs") && !is_within("run", "run.until"));
+    }
+
+    #[test]
+    fn a_program_gives_way_to_one_that_keeps_the_same_states() {
+        let text = r#"
+            [run]
+            until = "1 s"
+            [scene.domain]
+            size = ["1 m", "1 m", "1 m"]
+            [scene.fluid]
+            density = "1 kg/m3"
+            viscosity = "1 Pa s"
+            [components]
+            fluid = "fluid-lbm"
+            [settings.fluid-lbm]
+            cell = "10 cm"
+        "#;
+        let file = Path::new("manifest.toml");
+        let with = |sets: &[(&str, &str)]| {
+            let sets = sets.iter().map(|(key, value)| (key.to_string(), value.to_string()));
+            changed(file, text, &sets.collect::<Vec<_>>())
+        };
+        let launch = ("settings.fluid-lbm-mpi.launch", r#"["mpiexec", "-n", "2"]"#);
+        let on_ranks = with(&[("components.fluid", "fluid-lbm-mpi"), launch]).unwrap();
+        assert_eq!(on_ranks.spec.components[0].program, "fluid-lbm-mpi");
+        let words = |error: NotChanged| error.to_string();
+        let other = words(with(&[("components.fluid", "fluid-pic")]).map(drop).unwrap_err());
+        assert!(other.starts_with("components.fluid cannot change"), "{other}");
+        let finer = [("components.fluid", "fluid-lbm-mpi"), ("settings.fluid-lbm.cell", "5 cm")];
+        assert!(words(with(&finer).map(drop).unwrap_err()).contains("settings.fluid-lbm.cell"));
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 use crate::manifest::{Manifest, ORCHESTRATOR};
 use crate::outputs::{
-    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, RunFolder, RunLog,
+    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, RankTimes, RunFolder, RunLog,
     SignalTable, Statistics, Summary, Trace,
 };
-use crate::plan::REPORT_DEPTH;
+use crate::plan::{PlannedComponent, REPORT_DEPTH};
 use crate::preflight;
 use crate::run::ask_all::{Round, Unanswered};
 use crate::run::control::Control;
@@ -212,7 +212,8 @@ impl Prepared {
             report_depth: REPORT_DEPTH,
             ..Transport::default()
         };
-        let assignments = self.assignments(&transport, from);
+        let timed = execution.trace.as_ref().map(|windows| (*windows.start(), *windows.end()));
+        let assignments = self.assignments(&transport, from, timed);
         let values = self.plan.components.iter().map(|c| c.signals + c.values_of_places());
         let signals: Vec<_> = values.collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
@@ -307,7 +308,12 @@ impl Prepared {
             .collect()
     }
 
-    fn assignments(&self, transport: &Transport, from: Option<Origin<'_>>) -> Vec<Assignment> {
+    fn assignments(
+        &self,
+        transport: &Transport,
+        from: Option<Origin<'_>>,
+        timed: Option<(u64, u64)>,
+    ) -> Vec<Assignment> {
         let of = |name: &str| Transport {
             credit_service: format!("credit/{name}"),
             report_service: format!("report/{name}"),
@@ -315,7 +321,11 @@ impl Prepared {
         };
         let components = self.plan.components.iter();
         let resume = |role| from.and_then(|from| from.resume(role));
-        components.map(|c| c.assignment(of(&c.name), resume(c.role))).collect()
+        let assign = |c: &PlannedComponent| Assignment {
+            timed,
+            ..c.assignment(of(&c.name), resume(c.role))
+        };
+        components.map(assign).collect()
     }
 
     /// Hands out the assignments, and waits until all components are ready.
@@ -366,12 +376,22 @@ impl Prepared {
 
     fn summarise(&self, driven: LoopOutcome) -> Summary {
         let LoopOutcome {
-            ending, window, totals, turns, observers, wall, table, checkpoint, ..
+            ending,
+            window,
+            totals,
+            ranks,
+            turns,
+            observers,
+            wall,
+            table,
+            checkpoint,
+            ..
         } = driven;
         let components = totals
             .into_iter()
             .map(|(index, totals)| {
-                let summary = ComponentSummary::new(&self.descriptions[index], totals);
+                let shares = ranks.get(&index).and_then(RankTimes::shares);
+                let summary = ComponentSummary::new(&self.descriptions[index], totals, shares);
                 (self.peers[index].name.clone(), summary)
             })
             .collect();

@@ -76,7 +76,7 @@ pub fn start_all(
 }
 
 /// Setting of a program that says how it is launched, and is not the program's own.
-const LAUNCH: &str = "launch";
+pub const LAUNCH: &str = "launch";
 
 /// The words before the program of a component, by which it is launched: none for most.
 fn launch_of(spec: &ComponentSpec, program: &Program) -> Result<Vec<String>, Vec<Problem>> {

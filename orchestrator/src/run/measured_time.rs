@@ -1,8 +1,9 @@
 //! Wall time of a whole run, measured on its first windows: `tremie check --measure`.
 
 use crate::manifest::Manifest;
-use crate::outputs::{Ending, JudgedFinding, RunFolder};
+use crate::outputs::{Ending, JudgedFinding, RankShares, RunFolder, Summary};
 use crate::preflight::WEEK;
+use crate::run::handshake::LAUNCH;
 use crate::run::{Execution, RunCall, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use indicatif::HumanDuration;
@@ -12,15 +13,16 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use tremie_messages::Finding;
 use tremie_messages::Role;
+use tremie_messages::start::Fault;
 
-/// Trial times, tried in turn until one of them completes a window.
+/// MeasuredWindows times, tried in turn until one of them completes a window.
 const TRIES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(8), Duration::from_secs(60)];
 /// Interval of looks at the user's interrupts.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Runs some windows of the manifest without observers, throws their outputs away, and returns the
-/// wall time of all `windows` [s]. Programs are looked for in `folder` first.
+/// wall time of all `windows` [s], and where the time of ranks went. Programs are looked for in `folder` first.
 ///
 /// The first windows may be cheaper than later ones, where grains have not yet met. So the time is
 /// a lower bound.
@@ -32,42 +34,59 @@ pub fn wall_time(
     folder: &Path,
     windows: u64,
     interrupts: &AtomicUsize,
-) -> Result<JudgedFinding, RunError> {
+) -> Result<Vec<JudgedFinding>, RunError> {
     let mut manifest = manifest.clone();
     manifest.spec.components.retain(|component| component.role != Role::Observer);
     manifest.spec.stop_when.clear();
     manifest.spec.run.checkpoints.keep = 0;
-    let mut done = (0, 0.0);
+    // Only ranks tell more in traced windows.
+    let has_ranks = manifest.spec.components.iter().any(|c| c.settings.contains_key(LAUNCH));
+    let execution =
+        Execution { trace: has_ranks.then_some(1..=windows.max(1)), ..Execution::default() };
+    let mut done = MeasuredWindows::default();
     for time in TRIES {
-        let (ending, count, seconds) = some_windows(&manifest, folder, time, interrupts)?;
-        if let Ending::Failed { fault, .. } = ending {
-            let finding = Finding::new("windows before a fault", count as f64, "1");
-            return Ok(JudgedFinding::of_whole(finding.wrong_if(
+        done = some_windows(&manifest, folder, (time, &execution), interrupts)?;
+        if let Some(fault) = &done.fault {
+            let finding = Finding::new("windows before a fault", done.windows as f64, "1");
+            return Ok(vec![JudgedFinding::of_whole(finding.wrong_if(
                 true,
                 format!("the run fails within its first windows: {fault}"),
                 "look at the doubtful and wrong numbers above; a shorter time step or smaller speeds may help",
-            )));
+            ))]);
         }
-        done = (count, seconds);
-        if count > 0 {
+        if done.windows > 0 {
             break;
         }
     }
-    Ok(JudgedFinding::of_whole(judged(done, windows)))
+    let of_ranks = done.ranks.iter().map(|(component, shares)| JudgedFinding {
+        component: component.clone(),
+        finding: shares.finding(),
+    });
+    let whole = JudgedFinding::of_whole(judged((done.windows, done.seconds), windows));
+    Ok(of_ranks.chain([whole]).collect())
 }
 
-/// Runs windows for some wall time; returns the ending, the number of windows, and their wall time
-/// [s].
+/// What came of some windows.
+#[derive(Default)]
+struct MeasuredWindows {
+    fault: Option<Fault>,
+    windows: u64,
+    /// Their wall time [s].
+    seconds: f64,
+    /// Of each component that has ranks.
+    ranks: Vec<(String, RankShares)>,
+}
+
+/// Runs windows for some wall time.
 fn some_windows(
     manifest: &Manifest,
     folder: &Path,
-    time: Duration,
+    (time, execution): (Duration, &Execution),
     interrupts: &AtomicUsize,
-) -> Result<(Ending, u64, f64), RunError> {
+) -> Result<MeasuredWindows, RunError> {
     let home = tempfile::tempdir().map_err(RunError::Places)?;
-    let execution = Execution::default();
     let mut out = RunFolder::claim(home.path())?;
-    let prepared = prepare(manifest, folder, out.path(), &execution, interrupts)?;
+    let prepared = prepare(manifest, folder, out.path(), execution, interrupts)?;
     // Stands for the user's interrupts: after the trial time the run ends as by Ctrl-C.
     let end = AtomicUsize::new(0);
     let mut terminal = Terminal::new(Style::Silent);
@@ -84,7 +103,7 @@ fn some_windows(
         let ended = prepared.execute(RunCall {
             manifest,
             out: &mut out,
-            execution: &execution,
+            execution,
             terminal: &mut terminal,
             interrupts: end,
             programs: folder,
@@ -98,10 +117,17 @@ fn some_windows(
     }
     match ended {
         // The time was over while the components were still getting ready.
-        Err(RunError::Interrupted) => Ok((Ending::Interrupted, 0, time.as_secs_f64())),
+        Err(RunError::Interrupted) => {
+            Ok(MeasuredWindows { seconds: time.as_secs_f64(), ..MeasuredWindows::default() })
+        }
         ended => {
-            let summary = ended?.close();
-            Ok((summary.ending, summary.windows, summary.wall_time))
+            let Summary { ending, windows, wall_time, components, .. } = ended?.close();
+            let fault = match ending {
+                Ending::Failed { fault, .. } => Some(fault),
+                _ => None,
+            };
+            let shares = components.into_iter().filter_map(|(name, of)| Some((name, of.ranks?)));
+            Ok(MeasuredWindows { fault, windows, seconds: wall_time, ranks: shares.collect() })
         }
     }
 }

@@ -45,6 +45,7 @@ pub fn setup(component: &str, scene: Scene, clock: Clock, windows: u64, output: 
             },
             injections: Vec::new(),
             resume: None,
+            timed: None,
         }),
     }
 }

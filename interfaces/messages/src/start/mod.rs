@@ -122,6 +122,15 @@ pub enum Reply {
         /// Reason, a sentence.
         why: String,
     },
+    /// What the ranks of a component of several processes did in a window of [`Assignment::timed`].
+    Ranks {
+        /// The window.
+        window: u64,
+        /// When they began to compute it, by the machine's clock: nanoseconds since the Unix epoch.
+        begin: u64,
+        /// The times of each rank.
+        ranks: Vec<RankTime>,
+    },
     /// The last window is done and every message sent.
     Finished {
         /// Last window that the component completed.
@@ -131,6 +140,15 @@ pub enum Reply {
     },
     /// Something failed; the component ends.
     Fault(Fault),
+}
+
+/// Wall time of a rank in a window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RankTime {
+    /// Time in which it computed [ns].
+    pub compute: u64,
+    /// Time in which it waited for other ranks, or sent to them [ns].
+    pub wait: u64,
 }
 
 /// First request: the role, scene and parameters of the component.
@@ -206,6 +224,9 @@ pub struct Assignment {
     /// The checkpoint from which the run goes on, if it does not begin.
     #[serde(default)]
     pub resume: Option<Resume>,
+    /// First and last window of which a component of several ranks tells the times of each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timed: Option<(u64, u64)>,
 }
 
 /// A checkpoint from which a run goes on.

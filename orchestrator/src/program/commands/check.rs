@@ -44,7 +44,7 @@ fn check_components(
     if arguments.measure {
         let windows = prepared.plan.windows;
         let time = measured_time::wall_time(manifest, &folder, windows, &interrupts)?;
-        prepared.findings.push(time);
+        prepared.findings.extend(time);
     }
     show_plan(manifest, &prepared, terminal);
     let wrong = preflight::count(&prepared.findings, Verdict::Wrong);

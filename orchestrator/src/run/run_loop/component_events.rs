@@ -80,6 +80,12 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             }
             Reply::NotSaved { window, why } => self.note_not_kept(index, window, &why)?,
             Reply::GaveUp { observer, why } => self.give_up(state, &observer, &why)?,
+            Reply::Ranks { window, begin, ranks } => {
+                state.ranks.entry(index).or_default().take(&ranks);
+                if let Some(trace) = &mut self.trace {
+                    trace.take_ranks(watched, window, begin, &ranks)?;
+                }
+            }
             Reply::Fault(fault) => return Err(fault.into()),
             other => return Err(self.broken(index, format!("it said {other:?} in mid-run"))),
         }

@@ -15,7 +15,7 @@ mod windows;
 
 use crate::outputs::ScheduleTiming;
 use crate::outputs::{Breach, Ending, RunLog, SignalTable, Trace};
-use crate::outputs::{ComponentTotals, WholeCheckpoint};
+use crate::outputs::{ComponentTotals, RankTimes, WholeCheckpoint};
 use crate::run::control::Control;
 use crate::run::last_words::LastWords;
 use crate::run::launch::{Peer, PeerEvent};
@@ -101,6 +101,8 @@ pub struct LoopOutcome {
     pub window: u64,
     /// Sums over the reports of each component of the physics, by index in `peers`.
     pub totals: BTreeMap<usize, ComponentTotals>,
+    /// Times of the ranks of components that have some, in traced windows, by index in `peers`.
+    pub ranks: BTreeMap<usize, RankTimes>,
     /// Shares of a window's wall time, if there are components to share it.
     pub turns: Option<ScheduleTiming>,
     /// Outputs that observers wrote or lost, by name.
@@ -141,6 +143,8 @@ struct LoopState {
     /// Physics is over.
     is_over: bool,
     notes: BTreeMap<String, String>,
+    /// Times of the ranks of components that have some.
+    ranks: BTreeMap<usize, RankTimes>,
     /// Windows a second.
     pace: Pace,
     /// The user has seen the shares of a window's time.
@@ -168,6 +172,7 @@ impl LoopState {
             spoilt: None,
             is_over: false,
             notes: BTreeMap::new(),
+            ranks: BTreeMap::new(),
             pace: Pace::new(now),
             shown_timing: false,
             sent_timings: None,
@@ -220,6 +225,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
             ending,
             window,
             totals,
+            ranks: state.ranks,
             turns,
             observers: state.notes,
             wall,
