@@ -159,11 +159,8 @@ fn is_of_program(key: &str, manifest: &Manifest) -> bool {
     if let Some(settings) = key.strip_prefix("settings.") {
         return settings_shared_with(settings).is_some();
     }
-    let names = manifest.spec.components.iter().map(|component| &component.name);
-    names.map(|name| format!("components.{name}")).any(|whole| {
-        let rest = key.strip_prefix(&whole);
-        rest.is_some_and(|rest| rest.is_empty() || rest == ".program")
-    })
+    let mut names = manifest.spec.components.iter().map(|component| &component.name);
+    names.any(|name| key == format!("components.{name}.program"))
 }
 
 /// True of keys that say how a component works and not what it does.
@@ -232,7 +229,7 @@ mod tests {
         assert_eq!(on_ranks.spec.components[0].program, "fluid-lbm-mpi");
         let words = |error: NotChanged| error.to_string();
         let other = words(with(&[("components.fluid", "fluid-pic")]).map(drop).unwrap_err());
-        assert!(other.starts_with("components.fluid cannot change"), "{other}");
+        assert!(other.starts_with("components.fluid.program cannot change"), "{other}");
         let finer = [("components.fluid", "fluid-lbm-mpi"), ("settings.fluid-lbm.cell", "5 cm")];
         assert!(words(with(&finer).map(drop).unwrap_err()).contains("settings.fluid-lbm.cell"));
     }
