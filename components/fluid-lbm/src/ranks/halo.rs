@@ -21,8 +21,11 @@ use tremie_fluid_kit::cells::obstacles::Obstacles;
 struct Route {
     /// Runs of cells all of whose populations go, by their numbers on this rank.
     cells: Vec<Range<u32>>,
-    /// Places of populations that go one by one, when the next collision is even and when it is odd.
-    single: [Vec<u32>; 2],
+    /// Places of populations that go without the others of their cells, as runs of places that follow each other: when
+    /// the next collision is even and when it is odd.
+    single: [Vec<Range<usize>>; 2],
+    /// Number of these populations.
+    singles: usize,
     /// True if it is told which of the cells are cut off.
     tells_isolated: bool,
 }
@@ -56,7 +59,8 @@ impl Halo {
                     _ => cells.push(first..end),
                 }
             }
-            Route { cells, single: Default::default(), tells_isolated: shares.depth() > 1 }
+            let tells_isolated = shares.depth() > 1;
+            Route { cells, single: Default::default(), singles: 0, tells_isolated }
         };
         let mut own = Self::default();
         for other in (0..shares.ranks()).filter(|&other| other != rank) {
@@ -93,11 +97,7 @@ impl Halo {
         way: &mut dyn Communicator,
     ) {
         for (send, parcel) in self.sends.iter().zip(&mut self.sent) {
-            let (single, mut rest) = parcel.bytes.split_at_mut(send.single_bytes::<T>());
-            let places = &send.single[parity as usize];
-            for (&place, bytes) in places.iter().zip(single.chunks_exact_mut(size_of::<T>())) {
-                field.read_run(place as usize, bytes);
-            }
+            let mut rest = &mut parcel.bytes[..];
             send.each_run(layout, T::LINE, parity, |place, count| {
                 let (own, others) = std::mem::take(&mut rest).split_at_mut(count * size_of::<T>());
                 field.read_run(place, own);
@@ -125,11 +125,7 @@ impl Halo {
         }
         way.end_swap(&mut self.received);
         for (receive, parcel) in self.receives.iter().zip(&self.received) {
-            let (single, mut rest) = parcel.bytes.split_at(receive.single_bytes::<T>());
-            let places = &receive.single[parity as usize];
-            for (&place, bytes) in places.iter().zip(single.chunks_exact(size_of::<T>())) {
-                field.write_run(place as usize, bytes);
-            }
+            let mut rest = &parcel.bytes[..];
             receive.each_run(layout, T::LINE, parity, |place, count| {
                 let (own, others) = rest.split_at(count * size_of::<T>());
                 field.write_run(place, own);
@@ -152,7 +148,7 @@ impl Halo {
 impl Route {
     /// Numbers that go.
     fn numbers(&self) -> usize {
-        self.cells.iter().map(Range::len).sum::<usize>() * Q + self.single[0].len()
+        self.cells.iter().map(Range::len).sum::<usize>() * Q + self.singles
     }
 
     /// Its cells, eight at a time.
@@ -169,15 +165,12 @@ impl Route {
         self.eights().count()
     }
 
-    /// Bytes of those that go one by one.
-    fn single_bytes<T: Real>(&self) -> usize {
-        self.single[0].len() * size_of::<T>()
-    }
-
     /// Leaves of the cells those at walls, and of others the populations that come from cells which are not held by
     /// whom they go to.
     fn select(&mut self, layout: &Layout, obstacles: &Obstacles, is_held: impl Fn(u32) -> bool) {
         let mut at_walls: Vec<Range<u32>> = Vec::new();
+        // Cells by the population: those of cells that follow each other mostly lie so, too.
+        let mut missing: [Vec<u32>; Q] = Default::default();
         for cell in std::mem::take(&mut self.cells).into_iter().flatten() {
             let ends =
                 (1..Q).map(|i| layout.cells.end(&layout.grid, obstacles, layout.at(cell), i));
@@ -200,18 +193,22 @@ impl Route {
                     LinkEnd::BoundaryId(_) => true,
                 };
                 if is_missing {
-                    for parity in [Parity::Even, Parity::Odd] {
-                        let place = layout.place(parity, cell, i) as u32;
-                        self.single[parity as usize].push(place);
-                    }
+                    missing[i].push(cell);
                 }
             }
         }
         self.cells = at_walls;
+        self.singles = missing.iter().map(Vec::len).sum();
+        for parity in [Parity::Even, Parity::Odd] {
+            let places = missing.iter().enumerate().flat_map(|(i, cells)| {
+                cells.iter().map(move |&cell| layout.place(parity, cell, i))
+            });
+            self.single[parity as usize] = runs_of(places);
+        }
     }
 
-    /// Visits the places in which the collision of a parity finds the populations of all cells, as runs of places that
-    /// follow each other, in an order that does not depend on the rank.
+    /// Visits the places in which the collision of a parity finds what goes, as runs of places that follow each other,
+    /// in an order that does not depend on the rank.
     fn each_run(
         &self,
         layout: &Layout,
@@ -219,6 +216,9 @@ impl Route {
         parity: Parity,
         mut visit: impl FnMut(usize, usize),
     ) {
+        for run in &self.single[parity as usize] {
+            visit(run.start, run.len());
+        }
         let lines = self.cells.iter().flat_map(|cells| {
             let (first, end) = (cells.start as usize, cells.end as usize);
             // Up to the end of a line at a time.
@@ -240,4 +240,16 @@ impl Route {
             }
         }
     }
+}
+
+/// Places, in their order, as runs of those that follow each other.
+fn runs_of(places: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for place in places {
+        match runs.last_mut() {
+            Some(last) if last.end == place => last.end += 1,
+            _ => runs.push(place..place + 1),
+        }
+    }
+    runs
 }
