@@ -14,7 +14,7 @@ mod daemon;
 mod kept_memory;
 #[cfg(feature = "mpi")]
 #[allow(dead_code, reason = "the program uses the rest")]
-#[path = "../src/mpi_ranks.rs"]
+#[path = "../src/mpi_ranks/mod.rs"]
 mod mpi_ranks;
 #[cfg(feature = "mpi")]
 #[allow(dead_code, reason = "the program uses the rest")]

@@ -3,11 +3,15 @@
 //! No wait is MPI's own, which has no end: all that ranks send is sent without waiting, and asked after until it is
 //! there or the deadline has passed. Then rank 0 finds out who does not answer, says so, and ends all ranks.
 
-use crate::daemon::end_daemon;
+mod collectives;
+mod silent_ranks;
+
+use self::collectives::TOLD;
+use self::silent_ranks::ANSWER_TIME;
 use crate::run_line::RunLine;
 use mpi::collective::SystemOperation;
 use mpi::environment::Universe;
-use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Op, MPI_Request};
+use mpi::ffi::{self, MPI_Comm, MPI_Datatype, MPI_Request};
 use mpi::traits::{AsRaw, Communicator as _, Equivalence};
 use std::cell::{Cell, RefCell};
 use std::ffi::{c_int, c_void};
@@ -17,24 +21,11 @@ use tremie_fluid_lbm::{Communicator, Parcel};
 
 /// Tag of parcels of halos.
 const PARCEL: c_int = 1;
-/// Tag of the question whether a rank is there, and of the answer.
-const ASK: c_int = 2;
-/// See `ASK`.
-const ANSWER: c_int = 3;
 /// Tag of what rank 0 gathers.
 const GATHER: c_int = 4;
 
-/// Longest wait for the answer of a rank that is asked whether it is there.
-const ANSWER_TIME: Duration = Duration::from_secs(1);
-
 /// Beginnings of the names of Open MPI's shared memory, in version 4 and in version 5.
 const SEGMENTS: [&str; 2] = ["/dev/shm/vader_segment.", "/dev/shm/sm_segment."];
-
-/// Bytes of what all ranks tell all that need no second message, their number included.
-const TOLD: usize = 256;
-
-/// Bytes of a broadcast that need no second message.
-const SHORT: usize = 504;
 
 /// The handle of one rank; copies of it speak for the same rank.
 #[derive(Clone)]
@@ -204,237 +195,8 @@ impl MpiRanks {
         }
     }
 
-    /// True if a message with a tag has come from a rank; takes it.
-    fn take(&self, from: c_int, tag: c_int) -> Option<c_int> {
-        let mut found = 0;
-        // SAFETY: an all-zero status is one that MPI overwrites.
-        let mut status: ffi::MPI_Status = unsafe { std::mem::zeroed() };
-        // SAFETY: MPI writes to both, which live here.
-        unsafe {
-            ffi::MPI_Iprobe(from, tag, self.common.comm, &mut found, &mut status);
-        }
-        if found == 0 {
-            return None;
-        }
-        let source = status.MPI_SOURCE;
-        // SAFETY: an empty message needs no buffer; it is there, so that the call returns at once.
-        unsafe {
-            ffi::MPI_Recv(
-                std::ptr::null_mut(),
-                0,
-                u8::equivalent_datatype().as_raw(),
-                source,
-                tag,
-                self.common.comm,
-                &mut status,
-            );
-        }
-        Some(source)
-    }
-
-    /// Sends an empty message, which MPI keeps itself.
-    fn knock(&self, to: c_int, tag: c_int) {
-        let mut request = no_request();
-        // SAFETY: an empty message needs no buffer.
-        unsafe {
-            ffi::MPI_Isend(
-                std::ptr::null(),
-                0,
-                u8::equivalent_datatype().as_raw(),
-                to,
-                tag,
-                self.common.comm,
-                &mut request,
-            );
-            ffi::MPI_Request_free(&mut request);
-        }
-    }
-
-    /// Answers rank 0 if it asks whether this rank is there.
-    fn answer(&self) {
-        if !self.is_first() && self.take(0, ASK).is_some() {
-            self.knock(0, ANSWER);
-        }
-    }
-
-    /// Says who does not answer, and ends all ranks.
-    fn give_up(&self, waited: Duration) -> ! {
-        let seconds = waited.as_secs_f64();
-        let missing = if self.is_first() { self.missing() } else { vec![0] };
-        let all: Vec<_> = missing.iter().map(|&rank| self.name(rank)).collect();
-        let who = if all.is_empty() { "some rank".into() } else { all.join(", ") };
-        let have = if all.len() > 1 { "have" } else { "has" };
-        let text = format!(
-            "{who} {have} not answered for {seconds:.0} s: a rank hangs, or its host is out of reach. \
-             `deadline` in settings.fluid-lbm-mpi allows more time"
-        );
-        tracing_error(&text);
-        self.on_line(|line| line.tell(&text));
-        // The launcher passes these words on before it ends, or is ended.
-        std::thread::sleep(Duration::from_millis(100));
-        if !self.is_first() {
-            // MPI would ask the daemon to end all, and it would ask a launcher that may be out of reach.
-            end_daemon();
-        }
-        // Where MPI cannot end the others, the launcher does when this process ends; or the run ends the launcher.
-        std::thread::spawn(|| {
-            std::thread::sleep(Duration::from_secs(2));
-            std::process::exit(3);
-        });
-        // SAFETY: ends all processes of the world, this one among them.
-        unsafe {
-            ffi::MPI_Abort(self.common.comm, 3);
-        }
-        std::process::exit(3)
-    }
-
-    /// Ranks that do not say that they are there.
-    fn missing(&self) -> Vec<usize> {
-        let others = 1..self.common.ranks;
-        others.clone().for_each(|rank| self.knock(rank, ASK));
-        let mut silent: Vec<c_int> = others.collect();
-        let begin = Instant::now();
-        while !silent.is_empty() && begin.elapsed() < ANSWER_TIME {
-            silent.retain(|&rank| self.take(rank, ANSWER).is_none());
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        silent.into_iter().map(|rank| rank as usize).collect()
-    }
-
     fn patience(&self) -> Option<Duration> {
         Some(*self.common.deadline.borrow())
-    }
-
-    /// Heads of all ranks.
-    fn gather_heads(&self, head: &[u8; TOLD]) -> Vec<u8> {
-        let mut heads = vec![0_u8; TOLD * self.common.ranks as usize];
-        let mut request = no_request();
-        // SAFETY: there is room for as many bytes of each rank; both buffers live until the request is done, below.
-        unsafe {
-            ffi::MPI_Iallgather(
-                head.as_ptr().cast(),
-                TOLD as c_int,
-                bytes_type(),
-                heads.as_mut_ptr().cast(),
-                TOLD as c_int,
-                bytes_type(),
-                self.common.comm,
-                &mut request,
-            );
-        }
-        self.wait(std::slice::from_mut(&mut request), self.patience());
-        heads
-    }
-
-    /// What heads had no room for, of each rank so many bytes.
-    fn gather_rests(&self, own: &[u8], counts: &[usize]) -> Vec<u8> {
-        let mut places = Vec::with_capacity(counts.len());
-        let mut all = 0;
-        for &count in counts {
-            places.push(all as c_int);
-            all += count;
-        }
-        if all == 0 {
-            return Vec::new();
-        }
-        let counts: Vec<c_int> = counts.iter().map(|&count| count as c_int).collect();
-        // Never without an address: that of an empty list may be one which means something else to MPI.
-        let (own_bytes, mut rest) = (if own.is_empty() { &[0] } else { own }, vec![0_u8; all]);
-        let mut request = no_request();
-        // SAFETY: counts and places are those of the room; all live until the request is done, below.
-        unsafe {
-            ffi::MPI_Iallgatherv(
-                own_bytes.as_ptr().cast(),
-                own.len() as c_int,
-                bytes_type(),
-                rest.as_mut_ptr().cast(),
-                counts.as_ptr(),
-                places.as_ptr(),
-                bytes_type(),
-                self.common.comm,
-                &mut request,
-            );
-        }
-        self.wait(std::slice::from_mut(&mut request), self.patience());
-        rest
-    }
-
-    /// Combines numbers over all ranks.
-    fn combine(&self, numbers: &mut [i64], operation: MPI_Op) {
-        if numbers.is_empty() {
-            return;
-        }
-        let own = numbers.to_vec();
-        let mut request = no_request();
-        // SAFETY: both buffers hold as many numbers, and live until the request is done, below.
-        unsafe {
-            ffi::MPI_Iallreduce(
-                own.as_ptr().cast(),
-                numbers.as_mut_ptr().cast(),
-                numbers.len() as c_int,
-                i64::equivalent_datatype().as_raw(),
-                operation,
-                self.common.comm,
-                &mut request,
-            );
-        }
-        self.wait(std::slice::from_mut(&mut request), self.patience());
-    }
-
-    /// Broadcasts so many bytes of rank 0, which it reads from there; others write them there.
-    ///
-    /// # Safety
-    /// Rank 0 has as many values there; others have room for as many.
-    unsafe fn broadcast_bytes(&self, bytes: *mut u8, count: usize, deadline: Option<Duration>) {
-        let mut request = no_request();
-        // SAFETY: the buffer lives until the request is done, below (callers).
-        unsafe {
-            let (bytes, count) = (bytes.cast::<c_void>(), count as c_int);
-            ffi::MPI_Ibcast(bytes, count, bytes_type(), 0, self.common.comm, &mut request);
-        }
-        self.wait(std::slice::from_mut(&mut request), deadline);
-    }
-
-    /// Rank 0 broadcasts few bytes and those behind them, which are copied nowhere.
-    pub fn tell(&self, few: &[u8], behind: &[u8]) {
-        if few.len() > SHORT {
-            return self.tell(&[], &[few, behind].concat());
-        }
-        let length = few.len() + behind.len();
-        let inside = behind.len().min(SHORT - few.len());
-        let mut head = [0_u8; SHORT + 8];
-        head[..8].copy_from_slice(&(length as u64).to_le_bytes());
-        head[8..8 + few.len()].copy_from_slice(few);
-        head[8 + few.len()..8 + few.len() + inside].copy_from_slice(&behind[..inside]);
-        let rest = &behind[inside..];
-        // SAFETY: so many values are there, which MPI reads only on rank 0.
-        unsafe {
-            self.broadcast_bytes(head.as_mut_ptr(), head.len(), self.patience());
-            if !rest.is_empty() {
-                self.broadcast_bytes(rest.as_ptr().cast_mut(), rest.len(), self.patience());
-            }
-        }
-    }
-
-    /// What rank 0 broadcasts, on another rank. The wait for its beginning has a deadline of its own.
-    fn hear(&self, deadline: Option<Duration>) -> Vec<u8> {
-        let mut head = [0_u8; SHORT + 8];
-        // SAFETY: there is room for as many.
-        unsafe { self.broadcast_bytes(head.as_mut_ptr(), head.len(), deadline) };
-        let (length, inside) = head.split_at(8);
-        let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
-        let short = length.min(SHORT);
-        let mut bytes = Vec::with_capacity(length);
-        bytes.extend_from_slice(&inside[..short]);
-        if length > SHORT {
-            let rest = &mut bytes.spare_capacity_mut()[..length - short];
-            // SAFETY: there is room for as many, and all have values then.
-            unsafe {
-                self.broadcast_bytes(rest.as_mut_ptr().cast(), rest.len(), self.patience());
-                bytes.set_len(length);
-            }
-        }
-        bytes
     }
 }
 
@@ -446,11 +208,6 @@ fn no_request() -> MPI_Request {
 
 fn bytes_type() -> MPI_Datatype {
     u8::equivalent_datatype().as_raw()
-}
-
-/// Writes an error as the run's log takes it.
-fn tracing_error(text: &str) {
-    tremie_sdk::log_line(serde_json::json!({ "level": "ERROR", "message": text }));
 }
 
 impl Communicator for MpiRanks {
@@ -554,20 +311,29 @@ impl Communicator for MpiRanks {
         head[..8].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
         head[8..8 + short].copy_from_slice(&bytes[..short]);
         let heads = self.gather_heads(&head);
-        let told = heads.chunks_exact(TOLD).map(|head| head.split_at(8));
-        let told = told.map(|(length, inside)| {
+        let told = heads.chunks_exact(TOLD).map(|head| {
+            let (length, inside) = head.split_at(8);
             let length = u64::from_le_bytes(std::array::from_fn(|k| length[k])) as usize;
             (length, &inside[..length.min(TOLD - 8)])
         });
-        let rests: Vec<usize> =
-            told.clone().map(|(length, inside)| length - inside.len()).collect();
-        let rest = self.gather_rests(&bytes[short..], &rests);
-        let (mut all, mut rest) = (Vec::new(), &rest[..]);
-        for ((_, inside), count) in told.zip(rests) {
-            let (own, others) = rest.split_at(count);
-            all.extend_from_slice(inside);
-            all.extend_from_slice(own);
-            rest = others;
+        let mut whole = 0;
+        let rests: Vec<(usize, usize)> = told
+            .clone()
+            .map(|(length, inside)| {
+                let place = whole + inside.len();
+                whole += length;
+                (place, length - inside.len())
+            })
+            .collect();
+        let mut all = Vec::with_capacity(whole);
+        let room = &mut all.spare_capacity_mut()[..whole];
+        self.gather_rests(&bytes[short..], &rests, room);
+        for ((_, inside), (place, _)) in told.zip(&rests) {
+            room[place - inside.len()..*place].write_copy_of_slice(inside);
+        }
+        // SAFETY: there was room for as many, and all have values: those of the heads, and the rests.
+        unsafe {
+            all.set_len(whole);
         }
         all
     }
