@@ -19,7 +19,7 @@ pub fn shares_of_ranks(
 ) -> Result<Vec<String>, Vec<Problem>> {
     let (resolution, ground) = parameters.survey(scene)?;
     let line = line_of(parameters.precision);
-    let (_, _, ground) = turned(scene, &resolution, ground, line);
+    let (axes, _, ground) = turned(scene, &resolution, ground, line);
     let obstacles = &ground.voxels.obstacles;
     let depth = depth(scene, obstacles);
     let shares = CellShares::new(&ground.grid, obstacles, (ranks, depth))
@@ -40,9 +40,11 @@ pub fn shares_of_ranks(
     let imbalance = 100.0 * (own * ranks as f64 / all - 1.0).max(0.0);
     let memory = resolution.memory_bytes as f64 * together / all * 1e-6;
     let sent = copies * Q as f64 * (64 / line) as f64 * 1e-6;
+    let along = ["x", "y", "z"][axes.axis_to_world(2)];
+    let bodies = if scene.bodies.is_empty() { "" } else { ", and each knows all bodies" };
     Ok(vec![format!(
-        "{ranks} ranks, each of up to {own:.0} cells ({imbalance:.1} % more than the mean) and copies of {copies:.0} \
-         ({:.0} %), {memory:.0} MB; a rank takes up to {sent:.1} MB from others in a step",
+        "{ranks} ranks, slices along {along}, each of up to {own:.0} cells ({imbalance:.1} % more than the mean) and copies of {copies:.0} \
+         ({:.0} %), {memory:.0} MB; a rank takes up to {sent:.1} MB from others in a step{bodies}",
         100.0 * copies / own
     )])
 }
