@@ -123,7 +123,8 @@ pub trait Observer: Sized {
     /// seen all frames of a checkpoint's window and none of a later one, and to put it back. Then
     /// outputs are as they were, and what was written since is gone. Called only where the
     /// description has a version of the state ([`Description::state`]). An observer without one begins
-    /// its outputs anew when a run goes on.
+    /// its outputs anew when a run goes on. Files that the state goes on from must be on the disk before it is:
+    /// [`StateExchange::relies_on`] waits for them without holding up frames.
     ///
     /// # Errors
     /// A state that is damaged or another's; outputs that are no longer there.
