@@ -7,6 +7,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 #[test]
@@ -159,12 +160,12 @@ fn a_stopped_recorder_is_given_up_in_time_and_changes_nothing() {
 }
 
 /// The recording goes to a pipe, which takes 64 KiB and then nothing until somebody reads on: longer than the physics
-/// would wait for a recorder that takes no frames, and longer than a recorder may be silent at the end.
+/// would wait for a recorder that takes no frames, and longer than an observer may say nothing at the end.
 #[test]
 fn a_disk_that_stands_still_loses_nothing() {
     let window = ["--until", "0.4 s", "--set", "run.deadline=8 s", "--set", "outputs.frames=1 us"];
-    let record = ["--quiet", "--set", "outputs.record=true", "--set"];
-    let whole = run_text(SMALL, &[&window[..], &record[..3]].concat()).succeeded();
+    let window = [&window[..], &["--set", "outputs.record=true"]].concat();
+    let whole = run_text(SMALL, &[&window[..], &["--quiet"]].concat()).succeeded();
     let whole = std::fs::read(whole.out.join("run.mcap")).unwrap();
     assert!(whole.len() > 1 << 20, "{} bytes fit into the pipe", whole.len());
 
@@ -172,16 +173,22 @@ fn a_disk_that_stands_still_loses_nothing() {
     let pipe = home.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let file = format!("settings.recorder.file={pipe:?}");
+    let (goes_on, wait) = channel::<()>();
     let reader = std::thread::spawn(move || {
         let mut reader = File::open(pipe).unwrap();
         let mut bytes = vec![0; 100_000];
         reader.read_exact(&mut bytes).unwrap();
-        std::thread::sleep(Duration::from_secs(8));
+        wait.recv().unwrap();
         reader.read_to_end(&mut bytes).unwrap();
         bytes
     });
-    let ran = run_text(SMALL, &[&window[..], &record, &[&*file]].concat()).succeeded();
-    assert!(!ran.errors().contains("is lost"), "{}", ran.errors());
+    let mut running = observed_run(home.path(), &[&window[..], &["--set", &file]].concat());
+    running.says("waiting for files of recorder");
+    std::thread::sleep(Duration::from_secs(4));
+    goes_on.send(()).unwrap();
+    assert_eq!(running.wait(Duration::from_secs(60)), Some(0));
+    let observers = &summary(home.path())["observers"];
+    assert!(!observers["recorder"].as_str().unwrap().starts_with("lost"), "{observers}");
     let piped = reader.join().unwrap();
-    assert!(piped == whole, "{} bytes, expected {}\n{}", piped.len(), whole.len(), ran.errors());
+    assert!(piped == whole, "{} bytes, expected {}", piped.len(), whole.len());
 }

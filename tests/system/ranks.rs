@@ -198,8 +198,8 @@ fn one_process_and_ranks_go_on_from_each_others_checkpoints() {
     let whole = run_text(&text, &[]).succeeded();
     let options = ["--set", every, "--inject", "grains:kill@400"];
     let on_two = on_ranks(&text, 2, "60 s");
-    let to_ranks = [launched(2), "components.fluid=fluid-lbm-mpi".into()];
-    let to_one = ["components.fluid=fluid-lbm".into()];
+    let to_ranks = [launched(2), "components.fluid.program=fluid-lbm-mpi".into()];
+    let to_one = ["components.fluid.program=fluid-lbm".into()];
     for (text, sets) in [(&text, &to_ranks[..]), (&on_two, &to_one)] {
         let broken = run_text(text, &options);
         assert_eq!(broken.code(), Some(1), "{}", broken.errors());

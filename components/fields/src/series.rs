@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use tremie_sdk::state::StateError;
 use tremie_sdk::sync;
 
@@ -18,10 +18,10 @@ pub struct Series {
     path: PathBuf,
     file: File,
     entries: Vec<Entry>,
-    /// Number of moments, from the first one on, whose files the disk was asked for.
+    /// Number of moments, from the first one on, whose files the disk surely has.
     synced: usize,
-    /// The first of these that it refused; `usize::MAX` for none.
-    refused: Arc<AtomicUsize>,
+    /// The same once the disk has what it was last asked for, and whether it has.
+    asked: (usize, Arc<AtomicBool>),
     /// Length of the collection without its tail.
     len: u64,
 }
@@ -55,28 +55,28 @@ impl Series {
     pub fn of(path: &Path, entries: Vec<Entry>) -> io::Result<Self> {
         let len = write(path, &entries)?;
         let file = OpenOptions::new().write(true).open(path)?;
-        let refused = Arc::new(AtomicUsize::new(usize::MAX));
-        Ok(Self { path: path.into(), file, synced: entries.len(), refused, entries, len })
+        let (synced, asked) = (entries.len(), Default::default());
+        Ok(Self { path: path.into(), file, synced, asked, entries, len })
     }
 
     /// Waits, when called, until the disk has the collection and its files as they are now.
     pub fn on_disk(&mut self) -> impl FnOnce() -> Result<(), StateError> + use<> {
-        let refused = self.refused.swap(usize::MAX, Ordering::Relaxed);
-        let (first, path) = (self.synced.min(refused), self.path.clone());
+        let (count, has_them) = &self.asked;
+        if has_them.load(Ordering::Relaxed) {
+            self.synced = self.synced.max(*count);
+        }
         let folder = self.folder();
-        let new = &self.entries[first.min(self.entries.len())..];
+        let new = &self.entries[self.synced..];
         let mut files: Vec<PathBuf> = new.iter().map(|entry| folder.join(&entry.file)).collect();
         files.dedup();
-        files.push(path);
-        // Those that the disk refuses are tried again with the next ones.
-        let told = self.refused.clone();
-        self.synced = self.entries.len();
+        files.push(self.path.clone());
+        // What the disk refuses, or is not asked for after all, is asked for again with the next ones.
+        let has_them = Arc::new(AtomicBool::new(false));
+        self.asked = (self.entries.len(), has_them.clone());
         move || {
-            let synced = files.iter().try_for_each(|file| sync(file));
-            if synced.is_err() {
-                told.fetch_min(first, Ordering::Relaxed);
-            }
-            synced
+            files.iter().try_for_each(|file| sync(file))?;
+            has_them.store(true, Ordering::Relaxed);
+            Ok(())
         }
     }
 
@@ -115,8 +115,14 @@ impl Series {
     pub fn rewritten(&mut self, size: u64) {
         if let Some(last) = self.entries.last_mut() {
             last.size = size;
-            self.synced = self.synced.min(self.entries.len() - 1);
+            self.unsure_from(self.entries.len() - 1);
         }
+    }
+
+    /// Files of the moments from a number on are others than the disk was asked for.
+    fn unsure_from(&mut self, number: usize) {
+        self.synced = self.synced.min(number);
+        self.asked.0 = self.asked.0.min(number);
     }
 
     /// Takes out what is later than `window`, and removes files that nothing refers to any more.
@@ -129,7 +135,7 @@ impl Series {
             return Ok(());
         }
         let late = self.entries.split_off(kept);
-        self.synced = self.synced.min(kept);
+        self.unsure_from(kept);
         self.len = write(&self.path, &self.entries)?;
         let folder = self.folder();
         let mut removed: Option<&str> = None;

@@ -13,7 +13,7 @@ use crate::stop::Stop;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Received, Receiver};
 use tremie_messages::frame::{
     BodySample, ComponentTiming, LoadSample, LogHeader, MessagesHeader, ProfileBin, ProfileHeader,
@@ -27,7 +27,7 @@ use tremie_state::StateError;
 
 /// Sleep of an observer when there is nothing to see and nobody rings.
 const NAP: Duration = Duration::from_millis(50);
-/// Time between the signs of an observer at the run's end that it is still taking frames, or writing.
+/// Time between the signs of an observer that it has not hung.
 const PULSE: Duration = Duration::from_millis(500);
 
 enum FrameReceiver<S: ChannelMedium> {
@@ -211,8 +211,19 @@ fn watch<S: ChannelMedium, O: Observer>(
     let mut inlets = open_inlets(context)?;
     let gone = |_| Stop::Aborted;
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
+    // A frame, too, may have to wait for a slow disk.
+    busy_while(&context.line().replier(), || show_all(observer, context, checkpoints, &mut inlets))
+}
+
+/// Shows the observer all frames, until the run is over.
+fn show_all<S: ChannelMedium, O: Observer>(
+    observer: &mut O,
+    context: &mut Context<S>,
+    checkpoints: &mut Checkpoints,
+    inlets: &mut [Inlet<S>],
+) -> Result<(u64, String), Stop> {
+    let gone = |_| Stop::Aborted;
     let mut watching = false;
-    let mut told = Instant::now();
     loop {
         // Asked before the last look: what was sent before the request is then surely seen.
         let finishing = context.finish_requested()?;
@@ -222,12 +233,8 @@ fn watch<S: ChannelMedium, O: Observer>(
         }
         let mut seen = false;
         // One frame of each stream after the other, so that no stream runs far ahead.
-        for inlet in &mut inlets {
+        for inlet in &mut *inlets {
             seen |= inlet.show_next(observer, context, checkpoints)?;
-            if finishing && seen && told.elapsed() > PULSE {
-                told = Instant::now();
-                context.line().reply(&Reply::Busy {}).map_err(gone)?;
-            }
         }
         if !watching && inlets.iter().all(Inlet::has_begun) {
             watching = true;
@@ -241,8 +248,7 @@ fn watch<S: ChannelMedium, O: Observer>(
             continue;
         }
         if finishing && !seen {
-            context.line().reply(&Reply::Busy {}).map_err(gone)?;
-            return close(observer, context, &inlets);
+            return close(observer, context, inlets);
         }
         if !seen {
             context.rest(NAP)?;
@@ -274,7 +280,7 @@ impl Checkpoints {
     }
 }
 
-/// Does what may take long on a slow disk, and tells the orchestrator meanwhile that this process has not hung.
+/// Does what may take long on a slow disk, and tells the orchestrator meanwhile that this process is not stopped.
 fn busy_while<T>(replier: &Replier, work: impl FnOnce() -> T) -> T {
     let (ended, is_ended) = mpsc::channel::<()>();
     std::thread::scope(|scope| {
@@ -293,12 +299,11 @@ fn busy_while<T>(replier: &Replier, work: impl FnOnce() -> T) -> T {
 /// Closes the observer's outputs; returns the run's last window and a note for the summary.
 fn close<S: ChannelMedium, O: Observer>(
     observer: &mut O,
-    context: &mut Context<S>,
+    context: &Context<S>,
     inlets: &[Inlet<S>],
 ) -> Result<(u64, String), Stop> {
     let last = context.granted().unwrap_or(0);
-    let closed = busy_while(&context.line().replier(), || observer.close(last));
-    let note = closed.map_err(|error| wrong(context, error))?;
+    let note = observer.close(last).map_err(|error| wrong(context, error))?;
     let lost: u64 = inlets.iter().map(|inlet| inlet.lost).sum();
     let skipped = if lost > 0 { format!(" ({lost} frames skipped)") } else { String::new() };
     Ok((last, note + &skipped))

@@ -15,6 +15,11 @@ impl Reliances {
         self.0.push(wait);
     }
 
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Waits until the disk has all.
     ///
     /// # Errors

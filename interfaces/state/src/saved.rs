@@ -65,14 +65,16 @@ impl SavedState {
         Self::told(|state| component.exchange_state(state))
     }
 
-    /// The state that `tell` names, for memory alone.
+    /// The state that `tell` names, which relies on no files.
     ///
     /// # Errors
     /// Those of `tell`, or two entries that are named alike.
     pub fn told(
         tell: impl FnOnce(&mut StateExchange<'_>) -> Result<(), StateError>,
     ) -> Result<Self, StateError> {
-        Ok(Self::told_for(None, tell)?.0)
+        let (state, reliances) = Self::told_for(None, tell)?;
+        debug_assert!(reliances.is_empty(), "files would not be waited for");
+        Ok(state)
     }
 
     /// The state that `tell` names, for a file, and the files that must be on the disk before.

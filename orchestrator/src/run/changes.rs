@@ -7,6 +7,7 @@
 use crate::manifest::{self, ComponentSpec, Manifest, ManifestErrors};
 use crate::registry::settings_shared_with;
 use crate::run::origin::Takes;
+use std::collections::BTreeSet;
 use std::path::Path;
 use tremie_messages::Role;
 
@@ -103,11 +104,7 @@ pub enum NotChanged {
 pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Manifest, NotChanged> {
     let read = |sets| manifest::parse(file, text.into(), sets).map_err(NotChanged::Wrong);
     let (before, changed) = (read(&[])?, read(sets)?);
-    let mut keys = manifest::differences(&before, &changed);
-    if physics(&before) == physics(&changed) {
-        keys.retain(|key| !is_of_program(key, &changed));
-    }
-    only(MAY_CHANGE, keys).map(|()| changed)
+    only(MAY_CHANGE, differences(&before, &changed)).map(|()| changed)
 }
 
 /// What a run of `manifest` takes of a checkpoint of another run, whose manifest as resolved is `text`;
@@ -118,9 +115,8 @@ pub fn changed(file: &Path, text: &str, sets: &[(String, String)]) -> Result<Man
 /// [`NotChanged`].
 pub fn branch(file: &Path, text: &str, manifest: &Manifest) -> Result<Takes, NotChanged> {
     let before = manifest::parse(file, text.into(), &[]).map_err(NotChanged::Wrong)?;
-    let mut keys = manifest::differences(&before, manifest);
+    let keys = differences(&before, manifest);
     if physics(&before) == physics(manifest) {
-        keys.retain(|key| !is_of_program(key, manifest));
         return only(&[MAY_CHANGE, OWN_OUTPUTS].concat(), keys).map(|()| Takes::States);
     }
     let grains = manifest.spec.components.iter().find(|component| component.role == Role::Grains);
@@ -142,25 +138,41 @@ pub fn branch(file: &Path, text: &str, manifest: &Manifest) -> Result<Takes, Not
     if keys.is_empty() { Ok(Takes::Bodies) } else { Err(NotChanged::Bodies { keys }) }
 }
 
+/// Keys in which two manifests differ. Where a program gives way to one that keeps the same states, the settings of
+/// both count as they take effect.
+fn differences(before: &Manifest, after: &Manifest) -> Vec<String> {
+    let mut keys = manifest::differences(before, after);
+    if physics(before) != physics(after) {
+        return keys;
+    }
+    let pairs = components(before).zip(components(after));
+    for (old, new) in pairs.filter(|(old, new)| old.program != new.program) {
+        let own = format!("components.{}.program", new.name);
+        let fellows = [old, new].map(ComponentSpec::stem);
+        let fellows = fellows.into_iter().filter(|stem| settings_shared_with(stem).is_some());
+        let tables: Vec<String> = fellows.map(|stem| format!("settings.{stem}")).collect();
+        keys.retain(|key| *key != own && !tables.iter().any(|table| is_within(key, table)));
+        let settings: BTreeSet<&String> = old.settings.keys().chain(new.settings.keys()).collect();
+        let differ =
+            settings.into_iter().filter(|&key| old.settings.get(key) != new.settings.get(key));
+        keys.extend(differ.map(|key| format!("settings.{}.{key}", new.stem())));
+    }
+    keys
+}
+
 /// Components of the physics, in the order of the manifest.
+fn components(manifest: &Manifest) -> impl Iterator<Item = &ComponentSpec> {
+    manifest.spec.components.iter().filter(|component| component.role != Role::Observer)
+}
+
 fn physics(manifest: &Manifest) -> Vec<(Role, &str, &str)> {
-    let components = manifest.spec.components.iter().filter(|c| c.role != Role::Observer);
-    components.map(part).collect()
+    components(manifest).map(part).collect()
 }
 
 /// A component's role, name and program, or the program whose settings and states that has.
 fn part(component: &ComponentSpec) -> (Role, &str, &str) {
-    let program = settings_shared_with(&component.program).unwrap_or(&component.program);
+    let program = settings_shared_with(component.stem()).unwrap_or(&component.program);
     (component.role, &component.name, program)
-}
-
-/// True of a key that names the program of a component, or settings that no other program with its states has.
-fn is_of_program(key: &str, manifest: &Manifest) -> bool {
-    if let Some(settings) = key.strip_prefix("settings.") {
-        return settings_shared_with(settings).is_some();
-    }
-    let mut names = manifest.spec.components.iter().map(|component| &component.name);
-    names.any(|name| key == format!("components.{name}.program"))
 }
 
 /// True of keys that say how a component works and not what it does.
@@ -230,8 +242,40 @@ mod tests {
         let words = |error: NotChanged| error.to_string();
         let other = words(with(&[("components.fluid", "fluid-pic")]).map(drop).unwrap_err());
         assert!(other.starts_with("components.fluid.program cannot change"), "{other}");
-        let finer = [("components.fluid", "fluid-lbm-mpi"), ("settings.fluid-lbm.cell", "5 cm")];
-        assert!(words(with(&finer).map(drop).unwrap_err()).contains("settings.fluid-lbm.cell"));
+        let to_ranks = ("components.fluid.program", "fluid-lbm-mpi");
+        // Settings that only the new program has would be another lattice as much as changed ones.
+        for (key, value) in [("fluid-lbm.cell", "5 cm"), ("fluid-lbm-mpi.magic", "0.1")] {
+            let key = format!("settings.{key}");
+            let refused = words(with(&[to_ranks, launch, (&key, value)]).map(drop).unwrap_err());
+            let name = key.replace("fluid-lbm.", "fluid-lbm-mpi.");
+            assert!(refused.contains(&key) || refused.contains(&name), "{refused}");
+        }
+    }
+
+    #[test]
+    fn settings_of_ranks_alone_are_not_lost_where_one_process_goes_on() {
+        let text = r#"
+            [run]
+            until = "1 s"
+            [scene.domain]
+            size = ["1 m", "1 m", "1 m"]
+            [scene.fluid]
+            density = "1 kg/m3"
+            viscosity = "1 Pa s"
+            [components]
+            fluid = { program = "./build/fluid-lbm-mpi", role = "fluid" }
+            [settings.fluid-lbm]
+            cell = "10 cm"
+            [settings.fluid-lbm-mpi]
+            launch = ["mpiexec", "-n", "2"]
+            MAGIC
+        "#;
+        let back = [("components.fluid.program".to_string(), "fluid-lbm".to_string())];
+        let with =
+            |magic| changed(Path::new("manifest.toml"), &text.replace("MAGIC", magic), &back);
+        assert_eq!(with("").unwrap().spec.components[0].program, "fluid-lbm");
+        let refused = with("magic = 0.1").map(drop).unwrap_err().to_string();
+        assert!(refused.starts_with("settings.fluid-lbm.magic cannot change"), "{refused}");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use tremie_messages::Finding;
 use tremie_messages::Role;
 use tremie_messages::start::Fault;
 
-/// MeasuredWindows times, tried in turn until one of them completes a window.
+/// Times of a measurement, tried in turn until one of them completes a window.
 const TRIES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(8), Duration::from_secs(60)];
 /// Interval of looks at the user's interrupts.

@@ -100,8 +100,8 @@ pub enum Reply {
         /// Reason, a sentence.
         why: String,
     },
-    /// An observer that must finish is still at work: it has taken frames since its last reply, or
-    /// begins to close its outputs. An observer that is silent for some seconds counts as hung.
+    /// An observer is there, whatever it waits for; said again and again. One that must finish and is silent for
+    /// some seconds counts as hung.
     Busy {},
     /// The wait of the last [`Reply::Waiting`] is over.
     Resumed {},

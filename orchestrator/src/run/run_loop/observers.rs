@@ -12,7 +12,7 @@ use tremie_messages::units;
 
 /// Longest time for a lossless observer to take the frames of the start exchange.
 const FIRST_FRAMES: Duration = Duration::from_secs(10);
-/// Longest time without progress of an observer, once all is sent; then it has hung.
+/// Longest time without a word of an observer, once all is sent; then it has hung.
 const SILENCE: Duration = Duration::from_secs(5);
 /// Longest time for an observer to close its files, once all is sent: the record of a long run is worth more than
 /// the seconds for which a shared disk stands still.
@@ -73,7 +73,7 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
     }
 
     /// Tells observers that all is sent, and waits until they have written it: as long as each
-    /// shows progress, but no longer than a minute, or the deadline where that is longer.
+    /// says that it is there, but no longer than a minute, or the deadline where that is longer.
     pub(super) fn finish_observers(&mut self, state: &mut LoopState, window: u64) {
         let observers: Vec<usize> = (0..self.peers.len())
             .filter(|index| !self.physics.contains(index) && !state.finished[*index])
@@ -124,10 +124,10 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         } else if self.interrupts.load(Ordering::Relaxed) > state.asked {
             Some("the user did not want to wait for it".into())
         } else if state.heard[index].elapsed() > SILENCE {
-            Some(format!("it did not finish: no progress within {} s", SILENCE.as_secs()))
+            Some(format!("it did not finish: not a word of it within {} s", SILENCE.as_secs()))
         } else if begin.elapsed() > most {
             let seconds = most.as_secs_f64();
-            Some(format!("it did not finish within {seconds} s"))
+            Some(format!("it did not finish within {seconds} s; a longer run.deadline allows more"))
         } else {
             None
         }
