@@ -12,6 +12,7 @@ use crate::setup::Setup;
 use crate::stop::Stop;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 use tremie_channels::{Attachment, ChannelError, ChannelMedium, Received, Receiver};
@@ -188,7 +189,7 @@ fn serve_observer<S: ChannelMedium, O: Observer>(
             .unwrap_or_else(|panic| {
                 Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
             });
-    busy_while(&context.line().replier(), || checkpoints.keeper.wait());
+    busy_while(&context.line().replier(), &AtomicBool::new(true), || checkpoints.keeper.wait());
     let reply = match ended {
         Ok((window, note)) => Reply::Finished { window, note },
         Err(stop) => match stop.into_fault(&hello.component, context.window) {
@@ -211,16 +212,20 @@ fn watch<S: ChannelMedium, O: Observer>(
     let mut inlets = open_inlets(context)?;
     let gone = |_| Stop::Aborted;
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
-    // A frame, too, may have to wait for a slow disk.
-    busy_while(&context.line().replier(), || show_all(observer, context, checkpoints, &mut inlets))
+    // A frame, too, may have to wait for a slow disk. Before the first one others are still getting ready, and the
+    // orchestrator takes what is said for an answer.
+    let (line, has_begun) = (context.line().replier(), AtomicBool::new(false));
+    busy_while(&line, &has_begun, || {
+        show_all(observer, context, checkpoints, (&mut inlets, &has_begun))
+    })
 }
 
-/// Shows the observer all frames, until the run is over.
+/// Shows the observer all frames, until the run is over; says when that has begun.
 fn show_all<S: ChannelMedium, O: Observer>(
     observer: &mut O,
     context: &mut Context<S>,
     checkpoints: &mut Checkpoints,
-    inlets: &mut [Inlet<S>],
+    (inlets, has_begun): (&mut [Inlet<S>], &AtomicBool),
 ) -> Result<(u64, String), Stop> {
     let gone = |_| Stop::Aborted;
     let mut watching = false;
@@ -235,6 +240,9 @@ fn show_all<S: ChannelMedium, O: Observer>(
         // One frame of each stream after the other, so that no stream runs far ahead.
         for inlet in &mut *inlets {
             seen |= inlet.show_next(observer, context, checkpoints)?;
+        }
+        if seen {
+            has_begun.store(true, Ordering::Relaxed);
         }
         if !watching && inlets.iter().all(Inlet::has_begun) {
             watching = true;
@@ -280,14 +288,16 @@ impl Checkpoints {
     }
 }
 
-/// Does what may take long on a slow disk, and tells the orchestrator meanwhile that this process is not stopped.
-fn busy_while<T>(replier: &Replier, work: impl FnOnce() -> T) -> T {
+/// Does what may take long on a slow disk. Once it has begun, tells the orchestrator that this process is not stopped.
+fn busy_while<T>(replier: &Replier, has_begun: &AtomicBool, work: impl FnOnce() -> T) -> T {
     let (ended, is_ended) = mpsc::channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(move || {
             while is_ended.recv_timeout(PULSE) == Err(RecvTimeoutError::Timeout) {
-                // A closed line ends the observer elsewhere.
-                let _ = replier.reply(&Reply::Busy {});
+                if has_begun.load(Ordering::Relaxed) {
+                    // A closed line ends the observer elsewhere.
+                    let _ = replier.reply(&Reply::Busy {});
+                }
             }
         });
         let done = work();
