@@ -4,6 +4,7 @@
 //! Most needs an MPI, and `fluid-lbm-mpi` built with it, so it runs only where it is asked for. `TREMIE_MPIEXEC` names
 //! the launcher of the MPI that the program was built with.
 
+use crate::resume::resumed;
 use crate::running::{Running, until};
 use crate::tremie::{Ran, left_nothing, run, run_text, tremie};
 use serde_json::Value;
@@ -203,14 +204,7 @@ fn one_process_and_ranks_go_on_from_each_others_checkpoints() {
     for (text, sets) in [(&text, &to_ranks[..]), (&on_two, &to_one)] {
         let broken = run_text(text, &options);
         assert_eq!(broken.code(), Some(1), "{}", broken.errors());
-        let mut resume = tremie();
-        resume.arg("resume").arg(&broken.out).arg("--quiet");
-        for set in sets {
-            resume.args(["--set", set]);
-        }
-        let resumed = resume.output().unwrap();
-        let errors = String::from_utf8_lossy(&resumed.stderr).into_owned();
-        assert!(resumed.status.success(), "{sets:?}: {errors}");
+        resumed(&broken.out, &sets.iter().flat_map(|set| ["--set", set]).collect::<Vec<_>>());
         assert_same(&whole, &broken, &format!("{sets:?}"));
     }
 }
@@ -232,11 +226,7 @@ fn ranks_go_on_from_a_checkpoint_of_another_number() {
         let parts = std::fs::read_dir(&folder).unwrap().flatten();
         let parts = parts.filter(|file| file.file_name().to_string_lossy().starts_with("fluid."));
         assert_eq!(parts.count(), 4, "a file of each rank");
-        let mut resume = tremie();
-        resume.arg("resume").arg(&broken.out).args(["--quiet", "--set", &launched(ranks)]);
-        let resumed = resume.output().unwrap();
-        let errors = String::from_utf8_lossy(&resumed.stderr).into_owned();
-        assert!(resumed.status.success(), "{ranks} ranks: {errors}");
+        resumed(&broken.out, &["--set", &launched(ranks)]);
         assert_same(&alone, &broken, &format!("kept by 4 ranks, put back by {ranks}"));
         broken.left_nothing(&format!("resumed by {ranks} ranks"));
     }

@@ -26,8 +26,9 @@ fn resume(out: &Path, options: &[&str]) -> Output {
     tremie().arg("resume").arg(out).arg("--quiet").args(options).output().unwrap()
 }
 
+/// Errors of a run that went on.
 #[track_caller]
-fn resumed(out: &Path, options: &[&str]) -> String {
+pub fn resumed(out: &Path, options: &[&str]) -> String {
     let output = resume(out, options);
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{errors}");

@@ -216,26 +216,29 @@ mod tests {
         assert!(!is_within("outputs_of", "outputs") && !is_within("run", "run.until"));
     }
 
+    /// A box of water.
+    const WATER: &str = r#"
+        [run]
+        until = "1 s"
+        [scene.domain]
+        size = ["1 m", "1 m", "1 m"]
+        [scene.fluid]
+        density = "1 kg/m3"
+        viscosity = "1 Pa s"
+        [components]
+        fluid = "fluid-lbm"
+        [settings.fluid-lbm]
+        cell = "10 cm"
+    "#;
+
+    fn changed_by(text: &str, sets: &[(&str, &str)]) -> Result<Manifest, NotChanged> {
+        let sets = sets.iter().map(|(key, value)| (key.to_string(), value.to_string()));
+        changed(Path::new("manifest.toml"), text, &sets.collect::<Vec<_>>())
+    }
+
     #[test]
     fn a_program_gives_way_to_one_that_keeps_the_same_states() {
-        let text = r#"
-            [run]
-            until = "1 s"
-            [scene.domain]
-            size = ["1 m", "1 m", "1 m"]
-            [scene.fluid]
-            density = "1 kg/m3"
-            viscosity = "1 Pa s"
-            [components]
-            fluid = "fluid-lbm"
-            [settings.fluid-lbm]
-            cell = "10 cm"
-        "#;
-        let file = Path::new("manifest.toml");
-        let with = |sets: &[(&str, &str)]| {
-            let sets = sets.iter().map(|(key, value)| (key.to_string(), value.to_string()));
-            changed(file, text, &sets.collect::<Vec<_>>())
-        };
+        let with = |sets: &[(&str, &str)]| changed_by(WATER, sets);
         let launch = ("settings.fluid-lbm-mpi.launch", r#"["mpiexec", "-n", "2"]"#);
         let on_ranks = with(&[("components.fluid", "fluid-lbm-mpi"), launch]).unwrap();
         assert_eq!(on_ranks.spec.components[0].program, "fluid-lbm-mpi");
@@ -254,25 +257,12 @@ mod tests {
 
     #[test]
     fn settings_of_ranks_alone_are_not_lost_where_one_process_goes_on() {
-        let text = r#"
-            [run]
-            until = "1 s"
-            [scene.domain]
-            size = ["1 m", "1 m", "1 m"]
-            [scene.fluid]
-            density = "1 kg/m3"
-            viscosity = "1 Pa s"
-            [components]
-            fluid = { program = "./build/fluid-lbm-mpi", role = "fluid" }
-            [settings.fluid-lbm]
-            cell = "10 cm"
-            [settings.fluid-lbm-mpi]
-            launch = ["mpiexec", "-n", "2"]
-            MAGIC
-        "#;
-        let back = [("components.fluid.program".to_string(), "fluid-lbm".to_string())];
-        let with =
-            |magic| changed(Path::new("manifest.toml"), &text.replace("MAGIC", magic), &back);
+        let ranks = r#"{ program = "./build/fluid-lbm-mpi", role = "fluid" }"#;
+        let text = WATER.replace("\"fluid-lbm\"", ranks);
+        let launch = r#"[settings.fluid-lbm-mpi]
+            launch = ["mpiexec", "-n", "2"]"#;
+        let back = [("components.fluid.program", "fluid-lbm")];
+        let with = |magic| changed_by(&format!("{text}\n{launch}\n{magic}\n"), &back);
         assert_eq!(with("").unwrap().spec.components[0].program, "fluid-lbm");
         let refused = with("magic = 0.1").map(drop).unwrap_err().to_string();
         assert!(refused.starts_with("settings.fluid-lbm.magic cannot change"), "{refused}");

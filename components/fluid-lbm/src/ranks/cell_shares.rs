@@ -88,8 +88,8 @@ impl CellShares {
 
     /// The layer in which the cells of a rank begin; that behind the last one for one rank more than there are.
     pub fn first_layer(&self, rank: usize) -> i32 {
-        let first = self.layers.len() * rank / self.ranks;
-        self.layers.get(first).map_or(self.count, |layers| layers[0])
+        let first = self.own(rank).start;
+        self.layers.get(first as usize).map_or(self.count, |layers| layers[0])
     }
 
     /// All that a rank holds.
