@@ -245,15 +245,16 @@ fn a_study_that_is_killed_goes_on_to_the_same_table() {
 
 /// A run of a study that was killed after a checkpoint goes on from it, by the study or by a printed
 /// line, and ends with the bytes of an undisturbed one. With a checkpoint that is damaged it begins
-/// again.
+/// again. It has as many threads as the command that goes on gives it.
 #[test]
 fn a_run_that_was_broken_off_goes_on_from_its_checkpoint() {
-    let home = Home::new(WITH_CHECKPOINTS);
+    let home = Home::new(&WITH_CHECKPOINTS.replace("\"components.grains.threads\" = 1\n", ""));
     assert!(home.study(&["--out", "whole"]).status.success());
     let signals = |out: &str| std::fs::read(home.ended(out)[0].join("signals.csv")).unwrap();
     for way in ["study", "print", "damaged"] {
         let checkpoints = || home.checkpoints(way);
-        let mut command = home.command(&["--out", way]);
+        // More jobs than cores: a thread for each component.
+        let mut command = home.command(&["--out", way, "--jobs", "4096"]);
         let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
         crate::running::until("a checkpoint", || !checkpoints().is_empty());
         running.send("-KILL");
@@ -279,6 +280,15 @@ fn a_run_that_was_broken_off_goes_on_from_its_checkpoint() {
         assert_eq!(home.table(way, "runs.csv"), home.table("whole", "runs.csv"), "{way}");
         let log = std::fs::read_to_string(home.ended(way)[0].join("log.jsonl")).unwrap();
         assert_eq!(log.contains("the run goes on from"), way != "damaged", "{way}: {log}");
+        let manifest = std::fs::read_to_string(home.ended(way)[0].join("manifest.toml")).unwrap();
+        let manifest: toml::Table = manifest.parse().unwrap();
+        let threads = manifest["components"]["grains"].get("threads");
+        let cores = std::thread::available_parallelism().unwrap().get() as i64;
+        match way {
+            "study" => assert_eq!(threads, Some(&cores.into())),
+            "print" => assert_eq!(threads, Some(&1.into()), "the line leaves them as they are"),
+            _ => assert_eq!(threads, None, "it began again"),
+        }
     }
 }
 

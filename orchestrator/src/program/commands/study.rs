@@ -108,11 +108,14 @@ fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
     for run in &study.runs {
         let folder = study.folder.of_run(run);
         let folder = std::path::absolute(&folder).unwrap_or(folder);
-        let line = study.command_line(run, &run.threads.share(cores(), jobs))?;
+        let share = run.threads.share(cores(), jobs);
+        let line = study.command_line(run, &share)?;
         let anew = || format!("rm -r {} && {line}", shell_word(folder.as_os_str()));
         answer(match study.folder.use_of(run)? {
             FolderUse::Done | FolderUse::UnderWay => continue,
-            FolderUse::BrokenOff => format!("{} || {{ {}; }}", study.resuming_line(run)?, anew()),
+            FolderUse::BrokenOff => {
+                format!("{} || {{ {}; }}", study.resuming_line(run, &share)?, anew())
+            }
             FolderUse::Unfinished => anew(),
             FolderUse::Free => line,
         });

@@ -139,8 +139,8 @@ impl Study {
     ///
     /// # Errors
     /// See [`Self::command_line`].
-    pub fn resuming_line(&self, run: &StudyRun) -> Result<String, StudyError> {
-        Self::line(self.resuming_arguments(run))
+    pub fn resuming_line(&self, run: &StudyRun, share: &ThreadShare) -> Result<String, StudyError> {
+        Self::line(self.resuming_arguments(run, &share.sets))
     }
 
     fn line(arguments: Vec<OsString>) -> Result<String, StudyError> {
@@ -148,10 +148,11 @@ impl Study {
     }
 
     /// Arguments of this program to go on with a run.
-    fn resuming_arguments(&self, run: &StudyRun) -> Vec<OsString> {
+    fn resuming_arguments(&self, run: &StudyRun, sets: &[(String, String)]) -> Vec<OsString> {
         let out = self.folder.of_run(run);
         let out = std::path::absolute(&out).unwrap_or(out);
-        vec!["resume".into(), out.into(), "--quiet".into()]
+        let begin = ["resume".into(), out.into(), "--quiet".into()];
+        begin.into_iter().chain(as_options(sets)).collect()
     }
 
     /// Arguments of this program for a run.
@@ -159,10 +160,18 @@ impl Study {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         let (base, out) = (absolute(&self.contents.base), absolute(&self.folder.of_run(run)));
         let begin = ["run".into(), base.into(), "--out".into(), out.into(), "--quiet".into()];
-        let sets = run.sets.iter().chain(&share.sets);
-        let sets = sets.flat_map(|(key, value)| ["--set".into(), format!("{key}={value}").into()]);
+        let sets = as_options(run.sets.iter().chain(&share.sets));
         begin.into_iter().chain(sets).collect()
     }
+}
+
+/// Changes of a manifest as options of a command.
+fn as_options<'a>(
+    sets: impl IntoIterator<Item = &'a (String, String)>,
+) -> impl Iterator<Item = OsString> {
+    let option =
+        |(key, value): &(String, String)| ["--set".into(), format!("{key}={value}").into()];
+    sets.into_iter().flat_map(option)
 }
 
 /// The columns with the units of their signals, as the components of the first point tell them.

@@ -150,15 +150,17 @@ impl<'a> RunQueue<'a> {
         let words = tempfile::tempfile().map_err(wrong)?;
         let run = &self.study.runs[index];
         let mut command = this_program();
-        command.args(match resumes {
-            true => self.study.resuming_arguments(run),
-            false => self.study.arguments(run, &self.shares[index]),
+        let share = &self.shares[index];
+        command.args(if resumes {
+            self.study.resuming_arguments(run, &run.threads.resuming_sets(share, cores()))
+        } else {
+            self.study.arguments(run, share)
         });
         command.stdin(Stdio::null()).stdout(Stdio::null());
         command.stderr(words.try_clone().map_err(wrong)?);
         // A group of its own: Ctrl-C reaches this program alone, which passes it on once.
         let child = command.process_group(0).spawn().map_err(wrong)?;
-        let threads = self.shares[index].threads;
+        let threads = share.threads;
         self.going_on.push(RunningRun { index, child, words, threads, resumes });
         Ok(())
     }

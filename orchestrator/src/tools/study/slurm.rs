@@ -179,7 +179,7 @@ impl<'a> SlurmQueue<'a> {
     fn line_of(&self, index: usize, share: &ThreadShare) -> Result<String, StudyError> {
         let run = &self.study.runs[index];
         match self.resumed.contains(&index) {
-            true => self.study.resuming_line(run),
+            true => self.study.resuming_line(run, share),
             false => self.study.command_line(run, share),
         }
     }
