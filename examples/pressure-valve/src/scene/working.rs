@@ -97,7 +97,7 @@ impl Working {
 /// Thickness below which the cone of a safety valve is solid again [cells]. Its single cells would
 /// keep their pressure while that beneath them leaves through the orifice, and so carry the valve.
 /// A conduit with a blind end is not emptied: there they let out what is beneath the valve.
-const CONE_CLOSES_BESIDE_ORIFICE: &str = "1.0";
+const CONE_CLOSES_BESIDE_ORIFICE: f64 = 1.0;
 
 /// Width of gaps below which their walls slip [cells]: so wide that they slip at all lifts. Without
 /// slip a lattice stops a flow through a few cells that real walls hardly slow.
@@ -241,7 +241,7 @@ name = "cone"
 between = ["valve", "frame"]
 ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{cone_inner} mm", "{inner} mm"] }}
 open_at = 2.0
-close_at = {cone_close}
+close_at = {cone_close:?}
 slip_below = {slip}
 pressure_at = ["rim"]
 
@@ -321,7 +321,7 @@ signals = "20 us"
         stiffness = own.stop_stiffness,
         cone_inner = mm(bore - 0.5 * cell),
         cone_close = match valve.closure {
-            Closure::Pressure => "0.5",
+            Closure::Pressure => 0.5,
             Closure::Safety => CONE_CLOSES_BESIDE_ORIFICE,
         },
         inner = mm(inner),

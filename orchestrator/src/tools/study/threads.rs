@@ -34,37 +34,40 @@ impl RunThreads {
             let (role, threads) = (component.role, component.threads_of(1));
             // Observers work beside those that step.
             let steps = role.has_steps() || role.steps_with().is_some();
-            match &mut all.turns {
-                _ if role.has_steps() && component.threads.is_none() => {
-                    all.open.push(component.name.clone());
-                }
-                Some(most) if steps => *most = threads.max(*most),
-                _ => all.fixed += threads,
+            if role.has_steps() && component.threads.is_none() {
+                all.open.push(component.name.clone());
+            } else if let Some(most) = &mut all.turns
+                && steps
+            {
+                *most = threads.max(*most);
+            } else {
+                all.fixed += threads;
             }
         }
         all
     }
 
+    /// Open components that compute at the same time.
+    fn open_at_once(&self) -> u32 {
+        let open = u32::try_from(self.open.len()).unwrap_or(u32::MAX);
+        if self.turns.is_some() { open.min(1) } else { open }
+    }
+
     /// Threads of all components while an open one has `each`.
     fn with(&self, each: u32) -> u32 {
-        let open = u32::try_from(self.open.len()).unwrap_or(u32::MAX);
-        let stepping = match self.turns {
-            Some(most) => most.max(each.saturating_mul(open.min(1))),
-            None => each.saturating_mul(open),
-        };
-        self.fixed.saturating_add(stepping)
+        let open = each.saturating_mul(self.open_at_once());
+        self.fixed.saturating_add(open.max(self.turns.unwrap_or(0)))
     }
 
     /// The share of a run on a machine of `cores`. Without a number of `jobs`, open components may use
     /// all cores, as in a run alone. With it, they have what a job's part of the cores leaves: each
     /// all of it if they take turns, else they divide it.
     pub fn share(&self, cores: u32, jobs: Option<usize>) -> ThreadShare {
-        let open = u32::try_from(self.open.len()).unwrap_or(u32::MAX);
-        let Some(jobs) = jobs.filter(|_| open > 0) else {
+        let at_once = self.open_at_once();
+        let Some(jobs) = jobs.filter(|_| at_once > 0) else {
             return ThreadShare { threads: self.with(cores), sets: Vec::new() };
         };
         let part = cores / u32::try_from(jobs.max(1)).unwrap_or(u32::MAX);
-        let at_once = if self.turns.is_some() { 1 } else { open };
         let each = (part.saturating_sub(self.fixed) / at_once).max(1);
         ThreadShare { threads: self.with(each), sets: self.sets(each) }
     }
@@ -102,7 +105,6 @@ pub fn may_begin(going_on: &[u32], threads: u32, jobs: usize, cores: u32) -> boo
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::path::Path;
 
     #[test]
     fn open_components_share_the_cores_of_a_job() {
@@ -119,11 +121,11 @@ mod tests {
 
     #[test]
     fn observers_work_beside_components_that_take_turns() {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pressure-valve/manifest.toml");
+        let file = "examples/pressure-valve/manifest.toml";
         let of = |schedule: &str| {
             let sets = [("run.schedule", schedule), ("components.fields", "fields")];
             let sets = sets.map(|(key, value)| (key.to_string(), value.to_string()));
-            RunThreads::of(&crate::manifest::load(Path::new(file), &sets).unwrap().spec)
+            RunThreads::of(&crate::manifest::load(file.as_ref(), &sets).unwrap().spec)
         };
         let open = vec!["fluid".to_string(), "grains".to_string()];
         let rubber_and_fields = RunThreads { fixed: 2, open: open.clone(), turns: None };
