@@ -2,6 +2,7 @@
 
 use crate::tremie::{Ran, run, tremie};
 use std::f64::consts::PI;
+use std::path::PathBuf;
 
 #[test]
 fn settling_sphere() {
@@ -145,8 +146,8 @@ fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
-/// What `tremie valve --paper` says of statements with one run: no peak at 10 ms, and nothing of
-/// what takes a series. Without `--paper` it reads one run.
+/// What `tremie valve --paper` says of statements with one run: no peak at 10 ms, nothing of what
+/// takes a series, and no charts of any. Without `--paper` it reads one run.
 fn holds_against_the_paper(ran: &Ran) {
     let said = tremie().args(["valve", "--paper", "--json"]).arg(&ran.out).output().unwrap();
     assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
@@ -156,9 +157,15 @@ fn holds_against_the_paper(ran: &Ran) {
         assert!(statement["number"] == number && statement["verdict"] == verdict, "{statement}");
     }
     assert_eq!(statements.len(), 17);
-    let refused = tremie().arg("valve").args([&ran.out, &ran.out]).output().unwrap();
-    let words = String::from_utf8_lossy(&refused.stderr);
-    assert!(refused.status.code() == Some(2) && words.contains("2 runs are given"), "{words}");
+    let refuses = |options: &[&str], runs: &[&PathBuf], reason: &str| {
+        let refused = tremie().arg("valve").args(options).args(runs).output().unwrap();
+        let words = String::from_utf8_lossy(&refused.stderr);
+        assert!(refused.status.code() == Some(2) && words.contains(reason), "{words}");
+    };
+    refuses(&[], &[&ran.out, &ran.out], "2 runs are given");
+    let picture = ran.out.join("paper.svg").display().to_string();
+    refuses(&["--paper", "--to", &picture], &[&ran.out], "these runs make no chart");
+    refuses(&["--paper", "--part", "valve"], &[&ran.out], "cannot be used with");
 }
 
 /// What `tremie valve` reads of a run.

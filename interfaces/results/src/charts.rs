@@ -4,6 +4,7 @@ use crate::colour_map::ColourMap;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
+use std::iter::repeat_n;
 use std::ops::Range;
 use std::path::Path;
 
@@ -28,6 +29,27 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Marks instead of a line: a reference.
     pub marks: bool,
+}
+
+impl Curve {
+    /// Its points on the chart's axes: on a line some between them, a mark as often as a whole
+    /// piece of line, because all of it is lost where a legend covers it.
+    fn drawn_points(&self, axes: impl Fn((f64, f64)) -> (f64, f64)) -> Vec<(f64, f64)> {
+        const BETWEEN: u32 = 8;
+        let finite = self.points.iter().map(|p| axes(*p)).filter(|p| (p.0 + p.1).is_finite());
+        let points: Vec<_> = finite.collect();
+        if self.marks {
+            return points.iter().flat_map(|p| repeat_n(*p, BETWEEN as usize)).collect();
+        }
+        let within = points.windows(2).flat_map(|ends| {
+            let [a, b] = [ends[0], ends[1]];
+            (1..BETWEEN).map(move |k| {
+                let part = f64::from(k) / f64::from(BETWEEN);
+                (a.0 + part * (b.0 - a.0), a.1 + part * (b.1 - a.1))
+            })
+        });
+        within.chain(points.iter().copied()).collect()
+    }
 }
 
 /// A chart.
@@ -74,22 +96,24 @@ impl Chart {
         }
     }
 
-    /// Corner of the chart in which a legend covers fewest points.
+    /// Corner of the chart in which a legend covers least of its curves.
     fn emptiest_corner(&self) -> SeriesLabelPosition {
-        let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
-        let along = |x: f64| if self.log_x { x.ln() } else { x };
-        let up = |y: f64| if self.log_y { y.ln() } else { y };
-        let (xs, ys) =
-            (range(points().map(|p| along(p.0)), 0.0), range(points().map(|p| up(p.1)), 0.0));
+        let axes = |p: (f64, f64)| {
+            let [x, y] = [(self.log_x, p.0), (self.log_y, p.1)]
+                .map(|(is_log, value)| if is_log { value.ln() } else { value });
+            (x, y)
+        };
+        let drawn = || self.curves.iter().flat_map(|curve| curve.drawn_points(axes));
+        let xs = range(drawn().map(|p| p.0), 0.0);
+        let ys = range(drawn().map(|p| p.1), 0.0);
         let part =
             |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
         let covered = |right: bool, upper: bool| {
             // A legend covers about a third of the width and of the height.
             let beyond = |part: f64, far: bool| if far { part > 0.65 } else { part < 0.35 };
-            let is_in = |p: &(f64, f64)| {
-                beyond(part(&xs, along(p.0)), right) && beyond(part(&ys, up(p.1)), upper)
-            };
-            points().filter(is_in).count()
+            let is_in =
+                |p: &(f64, f64)| beyond(part(&xs, p.0), right) && beyond(part(&ys, p.1), upper);
+            drawn().filter(is_in).count()
         };
         [
             (SeriesLabelPosition::UpperRight, covered(true, true)),
@@ -243,4 +267,23 @@ pub fn draw_panels(panels: &[SheetPanel], title: &str, path: &Path) -> Result<()
         panel.draw(&area)?;
     }
     sheet.present().map_err(|error| said(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line across the upper right corner, with its ends beside it; a mark in each other corner.
+    #[test]
+    fn a_legend_keeps_off_lines_between_their_points() {
+        let curve = |points: &[(f64, f64)], marks| Curve {
+            name: String::new(),
+            points: points.to_vec(),
+            marks,
+        };
+        let across = curve(&[(0.5, 1.0), (1.0, 0.5)], false);
+        let corners = curve(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], true);
+        let chart = Chart { curves: vec![across, corners], ..Chart::default() };
+        assert!(!matches!(chart.emptiest_corner(), SeriesLabelPosition::UpperRight));
+    }
 }

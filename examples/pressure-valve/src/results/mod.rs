@@ -12,7 +12,7 @@ use characteristics::{Characteristics, Moment, Site, Stretch, characteristics, c
 use clap::{ArgMatches, Args, FromArgMatches};
 use std::f64::consts::PI;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use tremie_messages::scene::{Face, ProbeShape, Scene};
 use tremie_messages::units::Length;
 use tremie_results::{Chart, CommandError, Curve, FinishedRun, draw_sheet, run_name, text_columns};
@@ -39,11 +39,11 @@ pub struct ValveArgs {
     /// Lift above which it counts as open, as "0.5 mm" [default: a tenth of its way]
     #[arg(long, value_name = "LENGTH")]
     pub open_at: Option<Length>,
-    /// File of the picture [default: valve.svg in the folder]
+    /// File of the picture [default: valve.svg in the folder; none with --paper]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
     /// Hold runs, or all of a study, against what Mutabaruka and Kamrin say of the valve
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["part", "upstream", "downstream", "flow", "open_at"])]
     pub paper: bool,
     /// Print one JSON document instead of a table
     #[arg(long)]
@@ -58,7 +58,7 @@ pub struct ValveArgs {
 pub fn read(runs: &[FinishedRun], matches: &ArgMatches) -> Result<String, CommandError> {
     let arguments = ValveArgs::from_arg_matches(matches).map_err(CommandError::input)?;
     if arguments.paper {
-        return on_paper(runs, arguments.json).map_err(CommandError::input);
+        return on_paper(runs, &arguments).map_err(CommandError::input);
     }
     let [run] = runs else {
         let text = format!("{} runs are given; without --paper one is read", runs.len());
@@ -67,13 +67,27 @@ pub fn read(runs: &[FinishedRun], matches: &ArgMatches) -> Result<String, Comman
     answer(run, &arguments).map_err(CommandError::input)
 }
 
-fn on_paper(runs: &[FinishedRun], json: bool) -> Result<String, String> {
+fn on_paper(runs: &[FinishedRun], arguments: &ValveArgs) -> Result<String, String> {
+    if let Some(path) = &arguments.to {
+        let charts = paper::charts(runs);
+        if charts.is_empty() {
+            let text = "these runs make no chart: it takes two that differ in one quantity, \
+                        or one with grains that comes to rest";
+            return Err(text.into());
+        }
+        draw(&charts, "statements of Mutabaruka and Kamrin, and these runs", path)?;
+    }
     let statements = paper::statements(runs);
-    if json {
+    if arguments.json {
         let all = serde_json::to_string(&statements).map_err(|error| error.to_string())?;
         return Ok(all + "\n");
     }
     Ok(paper::statements_table(&statements))
+}
+
+fn draw(charts: &[Chart], title: &str, path: &Path) -> Result<(), String> {
+    draw_sheet(charts, title, path)
+        .map_err(|message| format!("cannot draw {}: {message}", path.display()))
 }
 
 fn answer(run: &FinishedRun, arguments: &ValveArgs) -> Result<String, String> {
@@ -261,7 +275,6 @@ fn picture(
     // The flow coefficient needs flow and drop in one direction, so its chart may be empty.
     let charts: Vec<Chart> =
         charts.into_iter().filter(|chart| !chart.curves[0].points.is_empty()).collect();
-    draw_sheet(&charts, &run_name(&run.folder), &path)
-        .map_err(|message| format!("cannot draw {}: {message}", path.display()))?;
+    draw(&charts, &run_name(&run.folder), &path)?;
     Ok(Some(path))
 }

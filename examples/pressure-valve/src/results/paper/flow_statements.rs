@@ -76,12 +76,7 @@ fn delays(runs: &[ValveRun]) -> Found {
 
 fn suction(runs: &[ValveRun]) -> Found {
     let series = clear(runs, Varied::Viscosity)?;
-    let least = |run: &ValveRun| {
-        let channel = run.signal("fluid.channel.pressure")?;
-        let delay = run.delay()?;
-        run.spread(channel, delay, delay + 3e-3).map(|[_, least, _]| least)
-    };
-    let least = series.values(least);
+    let least = series.values(ValveRun::suction);
     let Some(last) = least.last().filter(|_| least.len() > 1) else {
         return Err("a probe \"channel\" between ring and seat, and two viscosities or more");
     };

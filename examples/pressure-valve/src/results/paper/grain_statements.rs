@@ -1,20 +1,13 @@
 //! Statements on valves that grains pass, and on what is stuck in them.
 
+use super::grain_run::{Bounded, REGIMES};
 use super::series::{Series, grows, scatter};
 use super::valve_run::{ValveRun, Varied};
 use super::{Found, Judged, listed, over};
-use crate::results::debris::debris;
-use crate::scene::{Closure, Dimensions};
-use std::f64::consts::PI;
+use crate::scene::Closure;
 
 const FRACTIONS: &str =
     "runs with grains in three solid fractions or more, of fluxes below 0.405 m/s and above";
-
-/// Fluxes of grains, fraction times the piston's speed, between the paper's regimes [m/s].
-const REGIMES: [f64; 2] = [0.405, 0.611];
-
-/// Time from which on the start has passed [s].
-const SETTLED: f64 = 10e-3;
 
 /// Swing of a lift, part of its mean, below which it counts as nearly constant.
 const NEARLY_CONSTANT: f64 = 0.2;
@@ -60,10 +53,6 @@ pub(super) const ALL: &[Judged] = &[
     (17, "safety valve: grains of 1.4 mm leave it lower than grains of 1.1 mm", safety_sizes),
 ];
 
-fn cosine() -> f64 {
-    libm::cos(Dimensions::default().cone_slope.0)
-}
-
 fn sizes(runs: &[ValveRun]) -> Found {
     let of = |varied| {
         Series::longest(runs, Closure::Pressure, true, varied).values(ValveRun::steady_mean)
@@ -83,19 +72,16 @@ fn sizes(runs: &[ValveRun]) -> Found {
     Ok((found, scatter(&ratios) < 0.05 && grows(&diameters) && near))
 }
 
-/// Mean lift, and swing over it, from the start's end to the piston's stop.
-fn envelope(run: &ValveRun) -> Option<[f64; 2]> {
-    run.steady()?;
-    let [mean, least, greatest] = run.spread(run.lift, SETTLED, run.stop)?;
-    Some([mean, (greatest - least) / mean])
+/// Swing of the lift over its mean, from the start's end to the piston's stop.
+fn swing(run: &ValveRun) -> Option<f64> {
+    run.envelope().map(|[mean, least, greatest]| (greatest - least) / mean)
 }
 
 fn regimes(runs: &[ValveRun], kind: Closure) -> Found {
     let series = Series::longest(runs, kind, true, Varied::Fraction);
-    let flux = |run: &ValveRun| Some(run.number(Varied::Fraction) * run.number(Varied::Piston));
-    let fluxes = series.values(|run| envelope(run).and(flux(run)));
-    let lifts = series.values(|run| envelope(run).map(|[mean, _]| mean));
-    let swings = series.values(|run| envelope(run).map(|[_, swing]| swing));
+    let fluxes = series.values(|run| run.envelope().map(|_| run.flux()));
+    let lifts = series.values(|run| run.envelope().map(|[mean, ..]| mean));
+    let swings = series.values(swing);
     let regime = |flux: f64| REGIMES.iter().filter(|bound| flux > **bound).count();
     let of = |values: &[[f64; 2]], wanted: usize| {
         let those = fluxes.iter().zip(values).filter(|(flux, _)| regime(flux[1]) == wanted);
@@ -149,16 +135,23 @@ fn lag_of(late: &[f64], early: &[f64], spacing: f64, bounds: [f64; 2]) -> f64 {
     best.unwrap_or(0) as f64 * spacing
 }
 
-fn lag(runs: &[ValveRun]) -> Found {
-    let is_it = |run: &&ValveRun| {
-        run.kind == Closure::Pressure
+/// The run in which the paper compares lift and packing: at 6 m/s with a fraction of 0.084.
+pub(super) fn swinging_run<'r, 'a>(
+    runs: &'r [ValveRun<'a>],
+    kind: Closure,
+) -> Option<&'r ValveRun<'a>> {
+    runs.iter().find(|run| {
+        run.kind == kind
             && (run.number(Varied::Fraction) - 0.084).abs() < 1e-3
             && (run.number(Varied::Piston) - 6.0).abs() < 1e-3
             && run.steady().is_some()
-    };
+    })
+}
+
+fn lag(runs: &[ValveRun]) -> Found {
     let needs =
         "a run of the pressure valve at 6 m/s with a fraction of 0.084, to the piston's stop";
-    let run = runs.iter().find(is_it).ok_or(needs)?;
+    let run = swinging_run(runs, Closure::Pressure).ok_or(needs)?;
     let packing = run.signal("grains.packing.solid_fraction").ok_or(needs)?;
     let pressure = run.signal("fluid.beneath.pressure").ok_or(needs)?;
     let rows = run.rows(8e-3, run.stop);
@@ -181,15 +174,8 @@ fn lag(runs: &[ValveRun]) -> Found {
 
 fn packing(runs: &[ValveRun]) -> Found {
     let series = Series::longest(runs, Closure::Pressure, true, Varied::Fraction);
-    let is_first =
-        |run: &ValveRun| run.number(Varied::Fraction) * run.number(Varied::Piston) < REGIMES[0];
-    let swing = |run: &ValveRun| {
-        let packing = run.signal("grains.packing.solid_fraction").filter(|_| is_first(run))?;
-        run.steady()?;
-        let [mean, least, greatest] = run.spread(packing, SETTLED, run.stop)?;
-        Some((greatest - least) / mean)
-    };
-    let swings = series.values(swing);
+    let is_first = |run: &ValveRun| run.flux() < REGIMES[0];
+    let swings = series.values(|run| run.packing_swing().filter(|_| is_first(run)));
     if swings.is_empty() {
         return Err("runs with grains whose flux is below 0.405 m/s");
     }
@@ -202,19 +188,21 @@ fn packing(runs: &[ValveRun]) -> Found {
     Ok((found, most < NEARLY_CONSTANT))
 }
 
-/// Runs of the pressure valve with grains, from pistons at 2 m/s on, that have come to rest.
-fn shut_on_grains<'r, 'a>(
+/// Runs of a valve with grains, from pistons at 2 m/s on, that have come to rest; with their lift.
+pub(super) fn shut_on_grains<'r, 'a>(
     runs: &'r [ValveRun<'a>],
-) -> impl Iterator<Item = (&'r ValveRun<'a>, [f64; 2], f64)> {
-    let fast = |run: &&ValveRun| run.kind == Closure::Pressure && run.number(Varied::Piston) > 2.0;
-    runs.iter().filter(fast).filter_map(|run| Some((run, run.diameters?, run.rest()?)))
+    kind: Closure,
+) -> impl Iterator<Item = (&'r ValveRun<'a>, f64)> {
+    let fast = move |run: &&ValveRun| run.kind == kind && run.number(Varied::Piston) > 2.0;
+    let grains = |run: &&ValveRun| run.diameters.is_some();
+    runs.iter().filter(fast).filter(grains).filter_map(|run| Some((run, run.rest()?)))
 }
 
 const SHUT: &str = "runs of the pressure valve with grains that end 5 ms after the piston's stop";
 
 fn shut_lifts(runs: &[ValveRun]) -> Found {
-    let bounds = |[least, greatest]: [f64; 2]| [least / cosine(), greatest / cosine()];
-    let all: Vec<_> = shut_on_grains(runs).map(|(_, sizes, lift)| (bounds(sizes), lift)).collect();
+    let shut = shut_on_grains(runs, Closure::Pressure);
+    let all: Vec<_> = shut.filter_map(|(run, lift)| Some((run.layer_lifts()?, lift))).collect();
     if all.is_empty() {
         return Err(SHUT);
     }
@@ -257,27 +245,17 @@ fn slow_piston(runs: &[ValveRun]) -> Found {
 
 /// NASP of runs against its lower bound (Eq. 33), or debris (Eq. 35).
 fn stuck(runs: &[ValveRun], broken: bool) -> Found {
-    let numbers = Dimensions::default();
-    let (outer, inner) = (numbers.rubber_outer_radius.0, numbers.bore_radius.0);
-    let seat = PI * (outer * outer - inner * inner);
-    let ratio = |(run, _, lift): (&ValveRun, [f64; 2], f64)| {
-        let area = *run.signal("grains.stuck.area_fraction")?.last()?;
-        let (fraction, d) = (run.number(Varied::Fraction), run.number(Varied::Diameter));
-        let least = 1.5 * fraction / cosine();
-        // Both bounds suppose a layer as high as a diameter over the cosine.
-        let least_debris = debris(d / cosine(), seat, least, d);
-        let debris = debris(lift, seat, area, d);
-        Some(if broken { [debris, least_debris] } else { [area, least] })
-    };
-    let all: Vec<[f64; 2]> = shut_on_grains(runs).filter_map(ratio).collect();
+    let of = |run: &ValveRun| if broken { run.stuck_debris() } else { run.stuck_area() };
+    let all: Vec<_> =
+        shut_on_grains(runs, Closure::Pressure).filter_map(|(run, _)| of(run)).collect();
     if all.is_empty() {
         return Err(SHUT);
     }
-    let above = all.iter().filter(|[found, least]| found >= least).count();
+    let above = all.iter().filter(|number| number.found >= number.least).count();
     let digits = if broken { 0 } else { 2 };
     let each: Vec<_> = all
         .iter()
-        .map(|[found, least]| format!("{found:.digits$} (at least {least:.digits$})"))
+        .map(|Bounded { found, least }| format!("{found:.digits$} (at least {least:.digits$})"))
         .collect();
     Ok((format!("{above} of {} runs: {}", all.len(), each.join(", ")), above == all.len()))
 }
@@ -296,6 +274,7 @@ fn safety_sizes(runs: &[ValveRun]) -> Found {
 mod tests {
     use super::super::valve_run::made_up::{lift, run, signals};
     use super::*;
+    use std::f64::consts::PI;
     use tremie_results::Signals;
 
     const GRAINS: f64 = 0.8e-3;

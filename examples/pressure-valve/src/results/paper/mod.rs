@@ -1,16 +1,18 @@
 //! What Mutabaruka and Kamrin (*Comput. Part. Mech.* 5, 2018, section 3) say of their valves, held
 //! against runs: `tremie valve --paper OUT...`.
 //!
-//! `valve_run` reads the numbers of a run, `series` finds runs that differ in one quantity,
-//! `flow_statements` and `grain_statements` judge.
+//! `valve_run` and `grain_run` read the numbers of a run, `series` finds runs that differ in one
+//! quantity, `flow_statements` and `grain_statements` judge, `charts` draws what they judge.
 
+mod charts;
 mod flow_statements;
+mod grain_run;
 mod grain_statements;
 mod series;
 mod valve_run;
 
 use serde::Serialize;
-use tremie_results::{FinishedRun, text_columns};
+use tremie_results::{Chart, FinishedRun, text_columns};
 use valve_run::ValveRun;
 
 /// Widest cell of the table [characters].
@@ -65,6 +67,13 @@ pub fn statements(runs: &[FinishedRun]) -> Vec<Statement> {
     let mut judged: Vec<_> = all.map(|statement| judge(statement, &runs)).collect();
     judged.sort_by_key(|statement| statement.number);
     judged
+}
+
+/// Charts of the series among the runs, beside what the paper says of them. Their titles begin with
+/// the numbers of the statements.
+pub fn charts(runs: &[FinishedRun]) -> Vec<Chart> {
+    let runs: Vec<ValveRun> = runs.iter().filter_map(ValveRun::read).collect();
+    charts::of_both_valves(&runs)
 }
 
 fn judge(&(number, says, judge): &Judged, runs: &[ValveRun]) -> Statement {

@@ -165,6 +165,13 @@ impl<'a> ValveRun<'a> {
         peaks
     }
 
+    /// Least pressure in the channel between ring and seat, in the three milliseconds in which it
+    /// opens [Pa].
+    pub fn suction(&self) -> Option<f64> {
+        let (channel, delay) = (self.signal("fluid.channel.pressure")?, self.delay()?);
+        self.spread(channel, delay, delay + 3e-3).map(|[_, least, _]| least)
+    }
+
     /// Slope of the pressure beneath while the piston compresses the fluid, by least squares [Pa/s].
     pub fn compression_rate(&self) -> Option<f64> {
         let delay = self.delay()?;
