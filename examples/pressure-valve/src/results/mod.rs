@@ -71,9 +71,9 @@ fn on_paper(runs: &[FinishedRun], arguments: &ValveArgs) -> Result<String, Strin
     if let Some(path) = &arguments.to {
         let charts = paper::charts(runs);
         if charts.is_empty() {
-            let text = "these runs make no chart: it takes two that differ in one quantity, \
-                        or one with grains that comes to rest";
-            return Err(text.into());
+            return Err(
+                "these runs make no chart: most take two that differ in one quantity".into()
+            );
         }
         draw(&charts, "statements of Mutabaruka and Kamrin, and these runs", path)?;
     }

@@ -1,15 +1,15 @@
 //! Charts of series of runs beside what the paper says of them.
 
 use super::grain_run::{Bounded, REGIMES};
-use super::grain_statements::{shut_on_grains, swinging_run};
+use super::grain_statements::{COMPARED, shut_on_grains, swinging_run};
 use super::series::Series;
 use super::trimmed;
 use super::valve_run::{ValveRun, Varied};
 use crate::scene::Closure;
 use tremie_results::{Chart, Curve};
 
-/// Time that a point of a curve over time is the mean of [s].
-const BIN: f64 = 0.1e-3;
+/// Points of a curve over time at most; each is a mean.
+const POINTS: usize = 200;
 
 const SPEED: &str = "piston [m/s]";
 const LIFT: &str = "lift [mm]";
@@ -22,7 +22,7 @@ pub fn of_both_valves(runs: &[ValveRun]) -> Vec<Chart> {
         [valve.of_flows(), valve.of_grains(), valve.at_rest()].concat()
     };
     let all = [Closure::Pressure, Closure::Safety].into_iter().flat_map(of_one);
-    all.filter(|chart| chart.curves.iter().any(|curve| !curve.points.is_empty())).collect()
+    all.filter(|chart| !chart.curves.is_empty()).collect()
 }
 
 /// The runs of one of the two valves.
@@ -38,7 +38,8 @@ impl<'r, 'a> OneValve<'r, 'a> {
         if series.points.len() > 1 { series } else { Series::default() }
     }
 
-    /// A chart; `statements` are those on the pressure valve and those on the safety valve.
+    /// A chart without the curves that are empty; `statements` are the numbers of those that it
+    /// stands beside, on the pressure valve and on the safety valve.
     fn chart(
         &self,
         statements: [&str; 2],
@@ -61,7 +62,6 @@ impl<'r, 'a> OneValve<'r, 'a> {
         }
     }
 
-    /// A chart over the viscosity.
     fn over_viscosity(&self, statements: [&str; 2], title: &str, y: &str, curve: Curve) -> Chart {
         let chart = self.chart(statements, title, ["viscosity [Pa s]", y], vec![curve]);
         Chart { log_x: true, ..chart }
@@ -87,7 +87,7 @@ impl<'r, 'a> OneValve<'r, 'a> {
             self.chart(
                 ["3", ""],
                 "pressure until it opens",
-                ["way of the piston [mm]", "pressure beneath [kPa]"],
+                ["displacement of the piston [mm]", "pressure beneath [kPa]"],
                 compressions(&pistons),
             ),
             self.chart(["4, 5", "15"], "pistons", LIFT_OVER_TIME, lifts(&pistons, "m/s")),
@@ -126,32 +126,31 @@ impl<'r, 'a> OneValve<'r, 'a> {
 
     /// The valve with grains, when it has come to rest.
     fn at_rest(&self) -> Vec<Chart> {
-        let runs = || shut_on_grains(self.runs, self.kind).map(|(run, _)| run);
+        let diameters = self.series(true, Varied::Diameter).values(ValveRun::rest);
+        let over_diameter = self.chart(
+            ["", "17"],
+            "at rest",
+            ["mean diameter [mm]", LIFT],
+            vec![line("at rest", &diameters, [1e3, 1e3])],
+        );
+        if self.kind == Closure::Safety {
+            return vec![over_diameter];
+        }
         let bounded = |of: fn(&ValveRun) -> Option<Bounded>| {
-            let found: Vec<_> = runs().filter_map(of).map(|it| [it.least, it.found]).collect();
-            let bound: Vec<_> = found.iter().map(|[least, _]| [*least, *least]).collect();
-            vec![
-                line("at least", &lengthened(bound), [1.0, 1.0]),
-                marks("runs", &found, [1.0, 1.0]),
-            ]
+            let runs = shut_on_grains(self.runs).filter_map(|(run, _)| of(run));
+            let found: Vec<_> = runs.map(|it| [it.least, it.found]).collect();
+            let bound = ends(found.iter().map(|it| it[0])).map_or(Vec::new(), |[low, high]| {
+                [0.9 * low, 1.1 * high].map(|least| [least, least]).into()
+            });
+            vec![line("at least", &bound, [1.0, 1.0]), marks("runs", &found)]
         };
-        let bound = |k: usize| {
-            let of = |run: &ValveRun| Some([run.number(Varied::Diameter), run.layer_lifts()?[k]]);
-            lengthened(runs().filter_map(of).collect())
-        };
-        let rests: Vec<_> = shut_on_grains(self.runs, self.kind)
-            .map(|(run, lift)| [run.number(Varied::Diameter), lift])
-            .collect();
         vec![
+            over_diameter,
             self.chart(
-                ["11", "17"],
+                ["11", ""],
                 "at rest",
-                ["mean diameter [mm]", LIFT],
-                vec![
-                    line("least diameter over the cosine", &bound(0), [1e3, 1e3]),
-                    line("greatest", &bound(1), [1e3, 1e3]),
-                    marks("runs", &rests, [1e3, 1e3]),
-                ],
+                ["greatest over least diameter", "lift over the layer of mean grains"],
+                self.layers(),
             ),
             self.chart(
                 ["13", ""],
@@ -168,14 +167,39 @@ impl<'r, 'a> OneValve<'r, 'a> {
         ]
     }
 
-    /// Lift and packing of the run in which the paper compares them, each over its mean.
+    /// Lifts at rest over that on one layer of mean grains, between the layers of the least and of
+    /// the greatest (Eq. 32).
+    fn layers(&self) -> Vec<Curve> {
+        let of = |(run, lift): (&ValveRun, f64)| {
+            let [least, greatest] = run.layer_lifts()?;
+            Some([greatest / least, 2.0 * lift / (least + greatest)])
+        };
+        let found: Vec<_> = shut_on_grains(self.runs).filter_map(of).collect();
+        let Some([low, high]) = ends(found.iter().map(|it| it[0])) else { return Vec::new() };
+        let ratios = (0..=POINTS).map(|k| {
+            let part = k as f64 / POINTS as f64;
+            low - 0.05 + part * (high - low + 0.1)
+        });
+        let bound = |of: fn(f64) -> f64| ratios.clone().map(|r| [r, of(r)]).collect::<Vec<_>>();
+        vec![
+            line("least grains", &bound(|ratio| 2.0 / (1.0 + ratio)), [1.0, 1.0]),
+            line("greatest grains", &bound(|ratio| 2.0 * ratio / (1.0 + ratio)), [1.0, 1.0]),
+            marks("runs", &found),
+        ]
+    }
+
+    /// Lift, packing and pressure of the run in which the paper compares them, each over its mean.
     fn swings(&self) -> Vec<Curve> {
-        let Some(run) = swinging_run(self.runs, self.kind) else { return Vec::new() };
-        let packing = run.signal("grains.packing.solid_fraction");
-        let signals = [("lift", Some(run.lift)), ("packing", packing)];
+        let run = swinging_run(self.runs).filter(|_| self.kind == Closure::Pressure);
+        let Some(run) = run else { return Vec::new() };
+        let signals = [
+            ("lift", Some(run.lift)),
+            ("packing", run.signal("grains.packing.solid_fraction")),
+            ("pressure", run.signal("fluid.beneath.pressure")),
+        ];
         let curve = |(name, signal): (&str, Option<&[f64]>)| {
-            let [mean, ..] = run.spread(signal?, 8e-3, run.stop)?;
-            let points = binned(run, signal?, [8e-3, run.stop]);
+            let [mean, ..] = run.spread(signal?, COMPARED, run.stop)?;
+            let points = binned(run, signal?, [COMPARED, run.stop]);
             Some(line(name, &points, [1e3, 1.0 / mean]))
         };
         signals.into_iter().filter_map(curve).collect()
@@ -190,15 +214,33 @@ fn lifts(series: &Series, unit: &str) -> Vec<Curve> {
     })
 }
 
-/// Pressure beneath the valve of each run of a series over the way of its piston, until it opens.
+/// Pressure beneath the valve of each run of a series over its piston's displacement, until it
+/// opens.
 fn compressions(series: &Series) -> Vec<Curve> {
     each_run(series, "m/s", |run| {
-        let pressure = run.signal("fluid.beneath.pressure").zip(run.delay());
-        let points =
-            pressure.map_or(Vec::new(), |(pressure, delay)| binned(run, pressure, [0.0, delay]));
-        let speed = run.number(Varied::Piston);
-        points.iter().map(|[time, pressure]| (1e3 * speed * time, 1e-3 * pressure)).collect()
+        let of = || {
+            let pressure = run.signal("fluid.beneath.pressure")?;
+            let until = run.delay()?;
+            let way = displacement(run)?;
+            let [ways, pressures] =
+                [&way, pressure].map(|signal| binned(run, signal, [0.0, until]));
+            let both = ways.iter().zip(&pressures);
+            Some(both.map(|(way, pressure)| (1e3 * way[1], 1e-3 * pressure[1])).collect())
+        };
+        of().unwrap_or_default()
     })
+}
+
+/// Displacement of the piston at each row [m], by the trapezoidal rule.
+fn displacement(run: &ValveRun) -> Option<Vec<f64>> {
+    let velocity = run.signal("fluid.reservoir_z_lower.piston_velocity")?;
+    let times = run.times();
+    let mut way = vec![0.0; times.len()];
+    for row in 1..times.len() {
+        let mean = 0.5 * (velocity[row - 1] + velocity[row]);
+        way[row] = way[row - 1] + mean * (times[row] - times[row - 1]);
+    }
+    Some(way)
 }
 
 /// Mean, least and greatest lift over the flux of grains, and the fluxes between the paper's regimes.
@@ -210,12 +252,10 @@ fn regimes(series: &Series) -> Vec<Curve> {
         sorted(points.collect())
     };
     let [mean, least, greatest] = [0, 1, 2].map(of);
-    let ends = [&least, &greatest].map(|lifts| lifts.iter().map(|lift| lift[1]));
-    let [lowest, highest] = ends.map(|lifts| lifts.collect::<Vec<_>>());
-    let low = lowest.into_iter().reduce(f64::min);
-    let Some(ends) = low.zip(highest.into_iter().reduce(f64::max)) else { return Vec::new() };
-    let between = REGIMES
-        .map(|flux| line(&format!("{flux} m/s"), &[[flux, ends.0], [flux, ends.1]], [1.0, 1e3]));
+    let lifts = least.iter().chain(&greatest).map(|point| point[1]);
+    let Some([low, high]) = ends(lifts) else { return Vec::new() };
+    let between =
+        REGIMES.map(|flux| line(&format!("{flux} m/s"), &[[flux, low], [flux, high]], [1.0, 1e3]));
     let lifts = [("mean", mean), ("least", least), ("greatest", greatest)]
         .map(|(name, lifts)| line(name, &lifts, [1.0, 1e3]));
     lifts.into_iter().chain(between).collect()
@@ -236,39 +276,36 @@ fn each_run(
     series.points.iter().flat_map(named).collect()
 }
 
-/// Means of a signal over [bins](BIN) from a time to another, with the bins' middles [s].
+/// Means of a signal over equal parts of a time, with the middles of these [s].
 fn binned(run: &ValveRun, signal: &[f64], [from, until]: [f64; 2]) -> Vec<[f64; 2]> {
-    let bins = ((until - from) / BIN).ceil().max(1.0) as usize;
-    let mean = |bin: usize| {
-        let begin = from + BIN * bin as f64;
-        let [mean, ..] = run.spread(signal, begin, (begin + BIN).min(until))?;
-        Some([begin + 0.5 * BIN, mean])
+    let width = (until - from) / POINTS as f64;
+    let mean = |part: usize| {
+        let begin = from + width * part as f64;
+        // A row on the border of two parts is in the later one.
+        let [mean, ..] = run.spread(signal, begin, begin + (1.0 - 1e-6) * width)?;
+        Some([begin + 0.5 * width, mean])
     };
-    (0..bins).filter_map(mean).collect()
+    (0..POINTS).filter_map(mean).collect()
 }
 
 fn sorted(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points
 }
 
-/// A bound that is proportional to what it is drawn over, a tenth longer to each side.
-fn lengthened(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    let points = sorted(points);
-    let scaled =
-        |point: Option<&[f64; 2]>, by: f64| point.map(|point| point.map(|value| by * value));
-    let ends = [scaled(points.first(), 0.9), scaled(points.last(), 1.1)];
-    let [first, last] = ends.map(|end| end.into_iter());
-    first.chain(points).chain(last).collect()
+/// Least and greatest of numbers.
+fn ends(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    numbers.map(|number| [number; 2]).reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
+/// A line; of one point, which would show nothing, a mark.
 fn line(name: &str, points: &[[f64; 2]], [by_x, by_y]: [f64; 2]) -> Curve {
-    let points = points.iter().map(|[x, y]| (by_x * x, by_y * y)).collect();
-    Curve { name: name.into(), points, marks: false }
+    let points: Vec<_> = points.iter().map(|[x, y]| (by_x * x, by_y * y)).collect();
+    Curve { name: name.into(), marks: points.len() == 1, points }
 }
 
-fn marks(name: &str, points: &[[f64; 2]], scales: [f64; 2]) -> Curve {
-    Curve { marks: true, ..line(name, points, scales) }
+fn marks(name: &str, points: &[[f64; 2]]) -> Curve {
+    Curve { marks: true, ..line(name, points, [1.0, 1.0]) }
 }
 
 #[cfg(test)]
@@ -295,9 +332,10 @@ mod tests {
         let mean = &regimes.curves[0].points;
         assert!(near(mean[0], 6.0 * 0.053, 1.2) && near(mean[1], 6.0 * 0.084, 1.4), "{mean:?}");
         let over_time = titled("8: fractions").unwrap();
-        assert!(over_time.curves[0].name == "0.053" && over_time.curves[0].points.len() == 350);
-        let rest = titled("11: at rest").unwrap();
-        assert!(rest.curves[2].marks && near(rest.curves[2].points[0], 0.8, 0.9), "{rest:?}");
+        assert!(over_time.curves[0].name == "0.053" && over_time.curves[0].points.len() == POINTS);
+        // 0.9 mm over a layer of 0.8 mm over the cosine of 29.53 degrees.
+        let rest = &titled("11: at rest").unwrap().curves[2];
+        assert!(rest.marks && near(rest.points[0], 1.2, 0.9 * 0.8701 / 0.8), "{rest:?}");
         // Nothing of what takes other series, nothing of the other valve.
         assert!(titled("1: ").is_none() && titled("16: ").is_none() && titled("9: ").is_some());
     }

@@ -24,18 +24,19 @@ pub struct Bounded {
 }
 
 impl ValveRun<'_> {
-    /// Volume of the grains that come to the valve, over the conduit's section and time [m/s]:
-    /// fraction times the piston's speed, less the share that a safety valve's conduit lets out
-    /// beside the valve (Mutabaruka and Kamrin, section 3.2).
+    /// Volume of the grains that come to the valve, over the conduit's section and time [m/s]: the
+    /// fraction that is fed times the piston's speed, less the share that a safety valve's conduit
+    /// lets out beside the valve. Mutabaruka and Kamrin (section 3.2) take off what leaves by both
+    /// outlets; here what has passed the valve counts, or nothing would be left in a steady flow.
     pub fn flux(&self) -> f64 {
         let grown = |name: &str| {
             let rows = self.rows(SETTLED, self.stop);
             let masses = &self.signal(name)?[rows];
-            Some(masses.last()? - masses.first()?)
+            Some(masses.last()? - masses.first()?).filter(|mass| mass.is_finite())
         };
         let fed = grown("grains.feed.mass_inserted").filter(|mass| *mass > 0.0);
-        let share =
-            grown("grains.overflow.mass_removed").zip(fed).map_or(0.0, |(out, fed)| out / fed);
+        let beside = grown("grains.overflow.mass_removed").zip(fed);
+        let share = beside.map_or(0.0, |(out, fed)| out / fed);
         self.number(Varied::Fraction) * self.number(Varied::Piston) * (1.0 - share)
     }
 

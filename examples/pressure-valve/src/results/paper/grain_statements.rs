@@ -135,13 +135,13 @@ fn lag_of(late: &[f64], early: &[f64], spacing: f64, bounds: [f64; 2]) -> f64 {
     best.unwrap_or(0) as f64 * spacing
 }
 
+/// Time from which on lift and packing are compared [s].
+pub(super) const COMPARED: f64 = 8e-3;
+
 /// The run in which the paper compares lift and packing: at 6 m/s with a fraction of 0.084.
-pub(super) fn swinging_run<'r, 'a>(
-    runs: &'r [ValveRun<'a>],
-    kind: Closure,
-) -> Option<&'r ValveRun<'a>> {
+pub(super) fn swinging_run<'r, 'a>(runs: &'r [ValveRun<'a>]) -> Option<&'r ValveRun<'a>> {
     runs.iter().find(|run| {
-        run.kind == kind
+        run.kind == Closure::Pressure
             && (run.number(Varied::Fraction) - 0.084).abs() < 1e-3
             && (run.number(Varied::Piston) - 6.0).abs() < 1e-3
             && run.steady().is_some()
@@ -151,10 +151,10 @@ pub(super) fn swinging_run<'r, 'a>(
 fn lag(runs: &[ValveRun]) -> Found {
     let needs =
         "a run of the pressure valve at 6 m/s with a fraction of 0.084, to the piston's stop";
-    let run = swinging_run(runs, Closure::Pressure).ok_or(needs)?;
+    let run = swinging_run(runs).ok_or(needs)?;
     let packing = run.signal("grains.packing.solid_fraction").ok_or(needs)?;
     let pressure = run.signal("fluid.beneath.pressure").ok_or(needs)?;
-    let rows = run.rows(8e-3, run.stop);
+    let rows = run.rows(COMPARED, run.stop);
     let times = &run.times()[rows.clone()];
     if times.len() < 2 {
         return Err(needs);
@@ -188,20 +188,20 @@ fn packing(runs: &[ValveRun]) -> Found {
     Ok((found, most < NEARLY_CONSTANT))
 }
 
-/// Runs of a valve with grains, from pistons at 2 m/s on, that have come to rest; with their lift.
+/// Runs of the pressure valve with grains, with pistons faster than 2 m/s, that have opened and come
+/// to rest; with their lift.
 pub(super) fn shut_on_grains<'r, 'a>(
     runs: &'r [ValveRun<'a>],
-    kind: Closure,
 ) -> impl Iterator<Item = (&'r ValveRun<'a>, f64)> {
-    let fast = move |run: &&ValveRun| run.kind == kind && run.number(Varied::Piston) > 2.0;
-    let grains = |run: &&ValveRun| run.diameters.is_some();
-    runs.iter().filter(fast).filter(grains).filter_map(|run| Some((run, run.rest()?)))
+    let fast = |run: &&ValveRun| run.kind == Closure::Pressure && run.number(Varied::Piston) > 2.0;
+    let opened = |run: &&ValveRun| run.diameters.is_some() && run.delay().is_some();
+    runs.iter().filter(fast).filter(opened).filter_map(|run| Some((run, run.rest()?)))
 }
 
 const SHUT: &str = "runs of the pressure valve with grains that end 5 ms after the piston's stop";
 
 fn shut_lifts(runs: &[ValveRun]) -> Found {
-    let shut = shut_on_grains(runs, Closure::Pressure);
+    let shut = shut_on_grains(runs);
     let all: Vec<_> = shut.filter_map(|(run, lift)| Some((run.layer_lifts()?, lift))).collect();
     if all.is_empty() {
         return Err(SHUT);
@@ -246,8 +246,7 @@ fn slow_piston(runs: &[ValveRun]) -> Found {
 /// NASP of runs against its lower bound (Eq. 33), or debris (Eq. 35).
 fn stuck(runs: &[ValveRun], broken: bool) -> Found {
     let of = |run: &ValveRun| if broken { run.stuck_debris() } else { run.stuck_area() };
-    let all: Vec<_> =
-        shut_on_grains(runs, Closure::Pressure).filter_map(|(run, _)| of(run)).collect();
+    let all: Vec<_> = shut_on_grains(runs).filter_map(|(run, _)| of(run)).collect();
     if all.is_empty() {
         return Err(SHUT);
     }

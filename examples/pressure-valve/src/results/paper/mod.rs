@@ -62,7 +62,7 @@ type Judged = (u32, &'static str, fn(&[ValveRun]) -> Found);
 
 /// All statements, judged by runs of valves; other runs are left out.
 pub fn statements(runs: &[FinishedRun]) -> Vec<Statement> {
-    let runs: Vec<ValveRun> = runs.iter().filter_map(ValveRun::read).collect();
+    let runs = valve_runs(runs);
     let all = flow_statements::ALL.iter().chain(grain_statements::ALL);
     let mut judged: Vec<_> = all.map(|statement| judge(statement, &runs)).collect();
     judged.sort_by_key(|statement| statement.number);
@@ -72,8 +72,18 @@ pub fn statements(runs: &[FinishedRun]) -> Vec<Statement> {
 /// Charts of the series among the runs, beside what the paper says of them. Their titles begin with
 /// the numbers of the statements.
 pub fn charts(runs: &[FinishedRun]) -> Vec<Chart> {
-    let runs: Vec<ValveRun> = runs.iter().filter_map(ValveRun::read).collect();
-    charts::of_both_valves(&runs)
+    charts::of_both_valves(&valve_runs(runs))
+}
+
+/// Runs of valves; one that two studies have made counts once.
+fn valve_runs(runs: &[FinishedRun]) -> Vec<ValveRun<'_>> {
+    let mut known: Vec<ValveRun<'_>> = Vec::new();
+    for run in runs.iter().filter_map(ValveRun::read) {
+        if !known.iter().any(|other| other.is_same_as(&run)) {
+            known.push(run);
+        }
+    }
+    known
 }
 
 fn judge(&(number, says, judge): &Judged, runs: &[ValveRun]) -> Statement {

@@ -82,6 +82,12 @@ impl<'a> ValveRun<'a> {
             && (0..5).all(|k| k == varied as usize || same(k))
     }
 
+    /// True if another run has the same name, numbers and lifts.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        (&self.name, self.kind, self.numbers) == (&other.name, other.kind, other.numbers)
+            && self.lift == other.lift
+    }
+
     /// A signal, if the run has it.
     pub fn signal(&self, name: &str) -> Option<&'a [f64]> {
         self.signals.columns.get(name).map(Vec::as_slice)
@@ -173,10 +179,14 @@ impl<'a> ValveRun<'a> {
     }
 
     /// Slope of the pressure beneath while the piston compresses the fluid, by least squares [Pa/s].
+    /// A fast piston compresses a valve that rises already: the pressure is greatest, and falls,
+    /// before the ring has its height back.
     pub fn compression_rate(&self) -> Option<f64> {
-        let delay = self.delay()?;
         let pressure = self.signal("fluid.beneath.pressure")?;
-        let rows = self.rows(0.25 * delay, 0.85 * delay);
+        let before = self.rows(0.0, self.delay()?);
+        let peak = before.max_by(|a, b| pressure[*a].total_cmp(&pressure[*b]))?;
+        let first = self.times()[peak];
+        let rows = self.rows(0.25 * first, 0.85 * first);
         let (times, pressure) = (&self.times()[rows.clone()], &pressure[rows]);
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let (time, level) = (mean(times), mean(pressure));
@@ -240,6 +250,19 @@ pub mod made_up {
                         - (-since / damping).exp() * (std::f64::consts::TAU * since / 3.5e-3).cos())
             }
         }
+    }
+
+    /// A pressure that rises by 200 MPa/s, and falls before the valve is open.
+    #[test]
+    fn a_compression_ends_where_the_pressure_is_greatest() {
+        let pressure = |t: f64| 2e8 * t.min(4.6e-3 - t).max(0.0);
+        let all = signals(&[
+            ("grains.valve.lift", &|t| lift(t, [2.8e-3, 2e-3, 1e-3, 0.5e-3])),
+            ("fluid.beneath.pressure", &pressure),
+        ]);
+        let it = run(&all, Closure::Pressure, [1e-3, 6.0], None);
+        assert!(it.delay().unwrap() > 3e-3);
+        assert!((it.compression_rate().unwrap() / 2e8 - 1.0).abs() < 1e-9);
     }
 
     #[test]
