@@ -10,6 +10,8 @@ use tremie_results::{Chart, Curve};
 
 /// Points of a curve over time at most; each is a mean.
 const POINTS: usize = 200;
+/// Points of a pressure while the valve opens: few enough that the sound in the conduit averages out.
+const OPENING_POINTS: usize = 25;
 
 const SPEED: &str = "piston [m/s]";
 const LIFT: &str = "lift [mm]";
@@ -199,7 +201,7 @@ impl<'r, 'a> OneValve<'r, 'a> {
         ];
         let curve = |(name, signal): (&str, Option<&[f64]>)| {
             let [mean, ..] = run.spread(signal?, COMPARED, run.stop)?;
-            let points = binned(run, signal?, [COMPARED, run.stop]);
+            let points = binned(run, signal?, [COMPARED, run.stop], POINTS);
             Some(line(name, &points, [1e3, 1.0 / mean]))
         };
         signals.into_iter().filter_map(curve).collect()
@@ -209,7 +211,7 @@ impl<'r, 'a> OneValve<'r, 'a> {
 /// Lift of each run of a series over time.
 fn lifts(series: &Series, unit: &str) -> Vec<Curve> {
     each_run(series, unit, |run| {
-        let points = binned(run, run.lift, [0.0, run.end()]);
+        let points = binned(run, run.lift, [0.0, run.end()], POINTS);
         points.iter().map(|[time, lift]| (1e3 * time, 1e3 * lift)).collect()
     })
 }
@@ -223,7 +225,7 @@ fn compressions(series: &Series) -> Vec<Curve> {
             let until = run.delay()?;
             let way = displacement(run)?;
             let [ways, pressures] =
-                [&way, pressure].map(|signal| binned(run, signal, [0.0, until]));
+                [&way, pressure].map(|signal| binned(run, signal, [0.0, until], OPENING_POINTS));
             let both = ways.iter().zip(&pressures);
             Some(both.map(|(way, pressure)| (1e3 * way[1], 1e-3 * pressure[1])).collect())
         };
@@ -277,15 +279,15 @@ fn each_run(
 }
 
 /// Means of a signal over equal parts of a time, with the middles of these [s].
-fn binned(run: &ValveRun, signal: &[f64], [from, until]: [f64; 2]) -> Vec<[f64; 2]> {
-    let width = (until - from) / POINTS as f64;
+fn binned(run: &ValveRun, signal: &[f64], [from, until]: [f64; 2], parts: usize) -> Vec<[f64; 2]> {
+    let width = (until - from) / parts as f64;
     let mean = |part: usize| {
         let begin = from + width * part as f64;
         // A row on the border of two parts is in the later one.
         let [mean, ..] = run.spread(signal, begin, begin + (1.0 - 1e-6) * width)?;
         Some([begin + 0.5 * width, mean])
     };
-    (0..POINTS).filter_map(mean).collect()
+    (0..parts).filter_map(mean).collect()
 }
 
 fn sorted(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
