@@ -226,8 +226,12 @@ fn compressions(series: &Series) -> Vec<Curve> {
             let way = displacement(run)?;
             let [ways, pressures] =
                 [&way, pressure].map(|signal| binned(run, signal, [0.0, until], OPENING_POINTS));
-            let both = ways.iter().zip(&pressures);
-            Some(both.map(|(way, pressure)| (1e3 * way[1], 1e-3 * pressure[1])).collect())
+            // A part in which nothing was measured is missing in the means of the pressure.
+            let both = |[time, way]: &[f64; 2]| {
+                let [_, pressure] = pressures.iter().find(|mean| mean[0] == *time)?;
+                Some((1e3 * way, 1e-3 * pressure))
+            };
+            Some(ways.iter().filter_map(both).collect())
         };
         of().unwrap_or_default()
     })
