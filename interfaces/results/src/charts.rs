@@ -103,17 +103,17 @@ impl Chart {
                 .map(|(is_log, value)| if is_log { value.ln() } else { value });
             (x, y)
         };
-        let drawn = || self.curves.iter().flat_map(|curve| curve.drawn_points(axes));
-        let xs = range(drawn().map(|p| p.0), 0.0);
-        let ys = range(drawn().map(|p| p.1), 0.0);
+        let drawn: Vec<_> = self.curves.iter().flat_map(|curve| curve.drawn_points(axes)).collect();
+        let xs = range(drawn.iter().map(|p| p.0), 0.0);
+        let ys = range(drawn.iter().map(|p| p.1), 0.0);
         let part =
             |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
         let covered = |right: bool, upper: bool| {
             // A legend covers about a third of the width and of the height.
             let beyond = |part: f64, far: bool| if far { part > 0.65 } else { part < 0.35 };
             let is_in =
-                |p: &(f64, f64)| beyond(part(&xs, p.0), right) && beyond(part(&ys, p.1), upper);
-            drawn().filter(is_in).count()
+                |p: &&(f64, f64)| beyond(part(&xs, p.0), right) && beyond(part(&ys, p.1), upper);
+            drawn.iter().filter(is_in).count()
         };
         [
             (SeriesLabelPosition::UpperRight, covered(true, true)),
