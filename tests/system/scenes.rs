@@ -66,6 +66,32 @@ fn a_valve_begins_with_the_slurry_of_its_numbers() {
     assert_eq!((last("grains.stuck.number"), last("grains.stuck.area_fraction")), (0.0, 0.0));
 }
 
+/// As of a run that was made on a cluster: its parts and its ring's table are not here.
+#[test]
+fn a_run_is_read_and_compared_without_the_files_of_its_scene() {
+    let home = tempfile::tempdir().unwrap();
+    let made = tremie().args(["scene", "pressure-valve", "--coarse"]).arg(home.path()).output();
+    assert!(made.unwrap().status.success());
+    let manifest = home.path().join("manifest.toml");
+    let options = ["--until", "0.1 ms", "--set", "outputs.record=false"];
+    let ran = run(manifest.to_str().unwrap(), &options).succeeded();
+    let ask = |words: &[&str]| {
+        let output = tremie().args(words).output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.code(), String::from_utf8(said).unwrap())
+    };
+    let out = ran.out.to_str().unwrap();
+    let here = ask(&["valve", out]);
+    assert_eq!(here.0, Some(0), "{}", here.1);
+    drop(home);
+    assert_eq!(ask(&["valve", out]), here);
+    assert_eq!(ask(&["diff", out, out]).0, Some(0));
+    // Without its scene, the manifest's, for which the files must be there.
+    std::fs::remove_file(ran.out.join("scene.json")).unwrap();
+    let (code, said) = ask(&["valve", out]);
+    assert!(code == Some(2) && said.contains("frame.stl"), "{said}");
+}
+
 #[test]
 fn numbers_that_make_no_valve_are_refused() {
     let home = tempfile::tempdir().unwrap();

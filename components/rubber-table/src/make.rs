@@ -31,21 +31,25 @@ pub fn make(spec: &Spec) -> Result<Table, MakeError> {
         shear_modulus: spec.material.shear_modulus,
         bulk_modulus: spec.material.bulk_modulus,
     };
-    Ok(tabulate(&spec.model, &frames, source, Some(material))?)
+    Ok(tabulate(&spec.model, &frames, spec.foot_at, source, Some(material))?)
 }
 
-/// The table of a compression of `model`.
+/// The table of a compression of `model`. Its foot is what touches the seat in the frame nearest to the compression
+/// `foot_at` [m].
 ///
 /// # Errors
-/// If the force does not grow, or nothing touches the seat at last.
+/// If the force does not grow, or nothing touches the seat there.
 pub fn tabulate(
     model: &Model,
     frames: &[Frame],
+    foot_at: f64,
     source: String,
     material: Option<MaterialRecord>,
 ) -> Result<Table, TableError> {
     let from_carrier =
         |frame: &Frame| frame.points.iter().map(|[r, z]| [*r, z + frame.compression]).collect();
+    let off = |frame: &&Frame| (frame.compression - foot_at).abs();
+    let foot = frames.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
     Table::new(Contents {
         source,
         material,
@@ -57,7 +61,7 @@ pub fn tabulate(
             .map(|(k, frame)| if k == 0 { 0.0 } else { frame.force })
             .collect(),
         vertices: frames.iter().map(from_carrier).collect(),
-        facets: facets(model, frames.last().map_or(&[], |frame| &frame.touching)),
+        facets: facets(model, foot.map_or(&[], |frame| &frame.touching)),
         quads: model.mesh().quads().to_vec(),
         mises: frames.iter().map(|frame| frame.mises.clone()).collect(),
         energies: frames.iter().map(|frame| frame.energy).collect(),

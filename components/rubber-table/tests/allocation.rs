@@ -19,7 +19,7 @@ static COUNTING: Counting = Counting;
 #[test]
 fn a_step_allocates_nothing() {
     let model = model(ring([6, 4]), RUBBER, &[Hold::bonded("top")], Some(Seat::flat(0.0)));
-    let table = tabulate(&model, &press(&model, 0.6e-3, 41), "test".into(), None).unwrap();
+    let table = tabulate(&model, &press(&model, 0.6e-3, 41), 0.6e-3, "test".into(), None).unwrap();
     let surface = table.surface(24);
     let mut section = table.contents().vertices[0].clone();
     let mut places = surface.places(&section);

@@ -23,7 +23,7 @@ const CONTACTS: f64 = 12.0 * SPHERE_STIFFNESS;
 /// The ring of the valve.
 fn finite_elements() -> Table {
     let model = model(ring([6, 4]), RUBBER, &[Hold::bonded("top")], Some(Seat::flat(0.0)));
-    tabulate(&model, &press(&model, 0.6e-3, 41), "test".into(), None).unwrap()
+    tabulate(&model, &press(&model, 0.6e-3, 41), 0.6e-3, "test".into(), None).unwrap()
 }
 
 /// A row for each step.

@@ -161,7 +161,7 @@ fn a_ring_in_a_groove_has_the_stiffness_of_uniaxial_strain() {
 fn strain_from_the_outline_agrees_with_that_from_the_section() {
     let model = on_seat([36, 24]);
     let frames = press(&model, 0.48e-3, 17);
-    let whole = tabulate(&model, &frames, String::new(), None).unwrap();
+    let whole = tabulate(&model, &frames, 0.48e-3, String::new(), None).unwrap();
     let alone = Table::new(Contents { quads: vec![], mises: vec![], ..whole.contents().clone() });
     let rest = &whole.contents().vertices[0];
     // The outer side, off its corners: what the outline does not see, the change of volume, is

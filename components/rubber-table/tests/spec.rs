@@ -79,6 +79,23 @@ fn the_ring_of_the_valve_becomes_a_table() {
     assert!((work / contents.energies[40] - 1.0).abs() < 1e-6, "{work} {}", contents.energies[40]);
 }
 
+/// Pressed by a third of its height, the ring has lifted its outer rim off the seat. `foot_at` keeps the rim with the
+/// foot, and changes nothing else.
+#[test]
+fn a_longer_table_keeps_the_foot_of_a_shorter_one() {
+    let ring = RING
+        .replace("[18, 12]", "[9, 6]")
+        .replace("[table]", "[carrier]\nbonded = [\"top\"]\nguided = [\"inner\"]\n\n[table]");
+    let short = table(&ring.replace("0.6 mm", "0.9 mm"));
+    let long = ring.replace("0.6 mm", "1.5 mm");
+    let (without, with) = (table(&long), table(&format!("{long}foot_at = \"0.9 mm\"\n")));
+    let foot = |table: &Table| table.contents().facets.seat.clone();
+    assert!(foot(&without).len() < foot(&short).len(), "{:?}", foot(&without));
+    assert_eq!(foot(&with), foot(&short));
+    assert_eq!(with.contents().forces, without.contents().forces);
+    assert_eq!(with.contents().vertices, without.contents().vertices);
+}
+
 /// A table that is read equals that which was made, bit for bit.
 #[test]
 fn a_table_is_written_read_and_drawn() {
@@ -184,6 +201,10 @@ fn values_that_make_no_sense_are_all_told_at_once() {
     assert!(error.contains("40400 quadrilaterals"), "{error}");
     let error = refused(&(RING.replace("[18, 12]", "[200, 200]") + "frames = 400\n"));
     assert!(error.contains("at most 250") && error.contains("ring.toml:14:"), "{error}");
+    for foot_at in ["0 mm", "0.61 mm"] {
+        let error = refused(&format!("{RING}foot_at = \"{foot_at}\"\n"));
+        assert!(error.contains("table.foot_at") && error.contains("ring.toml:14:"), "{error}");
+    }
     let error = refused(&RING.replace("0.6 mm", "3 mm"));
     assert!(error.contains("less than the section's height"), "{error}");
     let error = refused(&format!(

@@ -33,7 +33,9 @@ pub use spec::{
 };
 
 use document::Document;
+use read::Findings;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use tremie_messages::{Problem, nearest};
 
@@ -69,9 +71,31 @@ pub struct ManifestErrors {
 /// # Errors
 /// Every problem found, each with its place.
 pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Manifest, ManifestErrors> {
+    let (file, text) = text_of(path)?;
+    parse(&file, text, sets).map_err(|errors| errors.of_folder(&file))
+}
+
+/// Reads the tables of the manifest at `path`, as [`load`] takes it, with defaults filled in, and no more:
+/// files that it names may be elsewhere.
+///
+/// # Errors
+/// Every key and value found that no manifest has, each with its place.
+pub fn load_tables(path: &Path) -> Result<Value, ManifestErrors> {
+    let (file, text) = text_of(path)?;
+    let Tables { document, findings, problems, source } = tables(&file, text, &[])?;
+    let problems = with_findings(problems, findings);
+    if problems.is_empty() {
+        Ok(tree_of(&document))
+    } else {
+        Err(ManifestErrors { source_text: source, problems })
+    }
+}
+
+/// The file of a manifest, and its text.
+fn text_of(path: &Path) -> Result<(PathBuf, String), ManifestErrors> {
     let file = if path.is_dir() { path.join("manifest.toml") } else { PathBuf::from(path) };
     match std::fs::read_to_string(&file) {
-        Ok(text) => parse(&file, text, sets).map_err(|errors| errors.of_folder(&file)),
+        Ok(text) => Ok((file, text)),
         Err(error) => {
             let problem = Problem::new("", format!("cannot read {}: {error}", file.display()))
                 .help("give a manifest, or a folder that holds a manifest.toml");
@@ -93,6 +117,34 @@ pub fn parse(
     text: String,
     sets: &[(String, String)],
 ) -> Result<Manifest, ManifestErrors> {
+    let Tables { document, mut findings, problems, source } = tables(file, text, sets)?;
+    let spec = check::check(&document, &mut findings);
+    let problems = with_findings(problems, findings);
+    match spec {
+        Some(spec) if problems.is_empty() => {
+            let notes = check::notes(&spec);
+            Ok(Manifest { spec, source, notes, document })
+        }
+        _ => Err(ManifestErrors { source_text: source, problems }),
+    }
+}
+
+/// The tables of a manifest, not checked yet.
+struct Tables {
+    document: Document,
+    /// What is wrong with keys and values.
+    findings: Findings,
+    /// What is wrong with those laid over it.
+    problems: Vec<Problem>,
+    source: Source,
+}
+
+fn with_findings(mut problems: Vec<Problem>, findings: Findings) -> Vec<Problem> {
+    problems.extend(findings.into_problems().into_iter().map(hints::add_hint));
+    problems
+}
+
+fn tables(file: &Path, text: String, sets: &[(String, String)]) -> Result<Tables, ManifestErrors> {
     let mut source = Source::new(file, text);
     let mut problems = Vec::new();
     let mut tree = tree::read(&mut source, &mut problems);
@@ -106,17 +158,9 @@ pub fn parse(
         let help = "the README has a short one; `tremie scene` writes that of a valve";
         return Err(ManifestErrors { source_text: source, problems: vec![problem.help(help)] });
     }
-    let (mut document, mut findings) = read::read::<Document>(tree);
+    let (mut document, findings) = read::read::<Document>(tree);
     document.fill(file.parent().unwrap_or(Path::new("")));
-    let spec = check::check(&document, &mut findings);
-    problems.extend(findings.into_problems().into_iter().map(hints::add_hint));
-    match spec {
-        Some(spec) if problems.is_empty() => {
-            let notes = check::notes(&spec);
-            Ok(Manifest { spec, source, notes, document })
-        }
-        _ => Err(ManifestErrors { source_text: source, problems }),
-    }
+    Ok(Tables { document, findings, problems, source })
 }
 
 /// Reads `text` of another file in the tables `T`, all of whose keys may be missing, as a manifest is
@@ -132,7 +176,7 @@ pub fn read_tables<T: DeserializeOwned + Default>(
     let mut problems = Vec::new();
     let tree = tree::read(&mut source, &mut problems);
     let (tables, findings) = read::read(tree);
-    problems.extend(findings.into_problems().into_iter().map(hints::add_hint));
+    let problems = with_findings(problems, findings);
     if problems.is_empty() {
         Ok((tables, source))
     } else {
@@ -140,7 +184,12 @@ pub fn read_tables<T: DeserializeOwned + Default>(
     }
 }
 
-fn is_empty(tree: &serde_json::Value) -> bool {
+/// Plain tables, strings and finite numbers: JSON has a form for each of them.
+fn tree_of(document: &Document) -> Value {
+    serde_json::to_value(document).unwrap_or_default()
+}
+
+fn is_empty(tree: &Value) -> bool {
     tree.as_object().is_some_and(serde_json::Map::is_empty)
 }
 
@@ -155,6 +204,11 @@ pub fn reference_page() -> String {
 }
 
 impl Manifest {
+    /// Its tables as they were understood, defaults filled in.
+    pub fn tables(&self) -> Value {
+        tree_of(&self.document)
+    }
+
     /// Gives problems of `component`, whose keys are relative to its settings or those of the scene
     /// as components see it, the keys of the manifest.
     pub fn absolute(&self, component: &str, problems: Vec<Problem>) -> Vec<Problem> {

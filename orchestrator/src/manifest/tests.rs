@@ -318,8 +318,7 @@ fn all_problems_come_at_once_in_the_order_of_the_file() {
     assert!(rendered.ends_with("4 problems\n"));
     assert!(errors.render(true).contains("\x1b[1;31m"));
     assert_eq!(errors.json_lines().lines().count(), 4);
-    let first: serde_json::Value =
-        serde_json::from_str(errors.json_lines().lines().next().unwrap()).unwrap();
+    let first: Value = serde_json::from_str(errors.json_lines().lines().next().unwrap()).unwrap();
     assert_eq!(
         (&first["key"], &first["line"], &first["column"]),
         (&"run.until".into(), &2.into(), &9.into())

@@ -5,7 +5,7 @@
 //! the folder, and a killed run holds up nobody. Room for the summary is set aside in that file
 //! before the first window: the end of a run is recorded even where the disk is full.
 
-use super::{FIELDS, LOG, MANIFEST, RECORDING, SIGNALS, SLURM, SUMMARY, Summary, TRACE};
+use super::{FIELDS, LOG, MANIFEST, RECORDING, SCENE, SIGNALS, SLURM, SUMMARY, Summary, TRACE};
 use crate::manifest::ORCHESTRATOR;
 use rustix::fs::{FallocateFlags, FlockOperation, fallocate, flock};
 use rustix::io::Errno;
@@ -249,7 +249,7 @@ impl RunFolder {
 
     /// Removes the files of a run that never began; nothing else that may lie there.
     pub fn clear(&self) {
-        for name in [MANIFEST, SIGNALS, LOG, RECORDING, TRACE] {
+        for name in [MANIFEST, SCENE, SIGNALS, LOG, RECORDING, TRACE] {
             let _ = std::fs::remove_file(self.file(name));
         }
         let _ = std::fs::remove_dir_all(self.file(FIELDS));

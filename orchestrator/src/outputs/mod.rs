@@ -31,6 +31,8 @@ pub use tremie_results::SIGNALS;
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";
+/// The scene as components were given it: who reads the run later needs no file that the manifest names.
+pub const SCENE: &str = "scene.json";
 /// The manifest with which a run began, where it was changed later.
 pub const BEGUN: &str = "begun.toml";
 /// The changes, a JSON document a line.

@@ -141,7 +141,7 @@ pub fn branch(file: &Path, text: &str, manifest: &Manifest) -> Result<Takes, Not
 /// Keys in which two manifests differ. Where a program gives way to one that keeps the same states, the settings of
 /// both count as they take effect.
 fn differences(before: &Manifest, after: &Manifest) -> Vec<String> {
-    let mut keys = manifest::differences(before, after);
+    let mut keys = manifest::differences(&before.tables(), &after.tables());
     if physics(before) != physics(after) {
         return keys;
     }

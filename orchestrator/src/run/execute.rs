@@ -20,6 +20,7 @@ use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::steering::SteeringSocket;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
@@ -251,6 +252,10 @@ impl Prepared {
             log.write(LogLevel::Info, ORCHESTRATOR, window, time, &from.to_string())?;
         }
         write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
+        let scene = at(outputs::SCENE);
+        let text = serde_json::to_string(&manifest.spec.scene).map_err(io::Error::from);
+        let text = text.map_err(|error| OutputError::Io { path: scene.clone(), error })?;
+        write_file(&scene, &text)?;
         let trace = execution.trace.as_ref().map(|windows| {
             let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
             let names = physics.map(|peer| peer.name.as_str());

@@ -96,6 +96,8 @@ pub(super) struct TableTable {
     pub compression: Length,
     #[serde(default = "frames")]
     pub frames: usize,
+    /// Compression at which what touches the seat is the foot; without it, the largest.
+    pub foot_at: Option<Length>,
 }
 
 fn frames() -> usize {
@@ -142,6 +144,7 @@ impl SpecDocument {
         }
         positive("table.compression", self.table.compression.0, "m", &mut out);
         within("table.frames", self.table.frames, FEWEST_FRAMES, MOST_FRAMES, &mut out);
+        self.check_foot(&mut out);
         self.check_seat(&mut out);
         out
     }
@@ -177,6 +180,18 @@ impl SpecDocument {
                 within(&at("d_ring", "elements"), d.elements, 2, MOST_ELEMENTS, out);
             }
             Section::Mesh(m) => positive(&at("mesh", "unit"), m.unit.0, "m", out),
+        }
+    }
+
+    fn check_foot(&self, out: &mut Vec<Problem>) {
+        let Some(foot_at) = self.table.foot_at else { return };
+        let largest = self.table.compression;
+        if !(foot_at.0 > 0.0 && foot_at <= largest) {
+            let found = format!(
+                "found {} m, expected more than 0 and at most compression, {} m",
+                foot_at.0, largest.0
+            );
+            out.push(Problem::new("table.foot_at", found));
         }
     }
 

@@ -22,6 +22,7 @@
 //! [table]
 //! compression = "0.6 mm"
 //! frames = 41
+//! foot_at = "0.6 mm"               # what touches the seat there is the foot; without this, at the largest
 //! ```
 //!
 //! The other sections:
@@ -44,6 +45,9 @@
 //!
 //! The seat may lie at any height: it is raised or lowered until it touches, and the compression
 //! counts from there.
+//!
+//! Pressed further, a rim may leave the seat again. A table that ends there would have a narrower foot at every
+//! compression: `foot_at` keeps the foot of a smaller one.
 
 mod document;
 mod problems;
@@ -75,6 +79,8 @@ pub struct Spec {
     pub material: NeoHookean,
     /// Length and steps of a compression.
     pub compression: Compression,
+    /// Compression at which what touches the seat is the foot [m].
+    pub foot_at: f64,
 }
 
 impl Spec {
@@ -111,8 +117,9 @@ impl Spec {
             frames: document.table.frames,
             tolerance: TOLERANCE,
         };
+        let foot_at = document.table.foot_at.map_or(compression.largest, |length| length.0);
         match model(&document, folder, material) {
-            Ok(model) => Ok(Self { text, model, material, compression }),
+            Ok(model) => Ok(Self { text, model, material, compression, foot_at }),
             Err(problem) => Err(text.errors(vec![problem])),
         }
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Facets {
-    /// A: touch the seat in the last frame.
+    /// A: the foot, which touches the seat when fully compressed.
     pub seat: Vec<[usize; 2]>,
     /// B: stay free.
     pub exposed: Vec<[usize; 2]>,

@@ -2,12 +2,14 @@
 
 use super::WRONG_INPUT;
 use crate::manifest;
+use crate::outputs::SCENE;
 use crate::registry::{OnArguments, OnRuns};
 use crate::terminal::standard::{answer_text, complain, complain_text};
 use crate::tools::study::done_runs;
 use clap::ArgMatches;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use tremie_messages::scene::Scene;
 use tremie_results::{CommandError, FinishedRun, signals_of};
 
 /// A command on arguments alone.
@@ -28,8 +30,20 @@ fn finished(out: &Path) -> Result<FinishedRun, String> {
     if let Some(cut) = &signals.cut {
         complain(format_args!("warning: {cut}"));
     }
-    let manifest = manifest::load(out, &[]).map_err(|errors| errors.to_string())?;
-    Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: manifest.spec.scene })
+    Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: scene_of(out)? })
+}
+
+/// The scene that a run was given. A run of another version may have none, or one of another form: that of
+/// its manifest is taken then, for which the files that it names must be where they were.
+fn scene_of(out: &Path) -> Result<Scene, String> {
+    let kept = std::fs::read_to_string(out.join(SCENE)).ok();
+    match kept.and_then(|text| serde_json::from_str(&text).ok()) {
+        Some(scene) => Ok(scene),
+        None => match manifest::load(out, &[]) {
+            Ok(manifest) => Ok(manifest.spec.scene),
+            Err(errors) => Err(errors.to_string()),
+        },
+    }
 }
 
 /// Gives the answer of a command, or its error.

@@ -51,8 +51,9 @@ pub struct RunComparison {
 /// # Errors
 /// See [`CompareError`].
 pub fn compare_runs(outs: [&Path; 2]) -> Result<RunComparison, CompareError> {
+    // Runs are compared wherever they were brought: files of their scenes may not be there.
     let load =
-        |out| manifest::load(out, &[]).map_err(|errors| CompareError::Manifest(errors.into()));
+        |out| manifest::load_tables(out).map_err(|errors| CompareError::Manifest(errors.into()));
     let [one, other] = [load(outs[0])?, load(outs[1])?];
     let mut notes = Vec::new();
     let recordings = recordings(outs, &mut notes)?;
