@@ -11,7 +11,7 @@ use tremie_recorder::{Item, Recording};
 #[test]
 fn a_run_ends_in_time_with_all_outputs() {
     let ran = run_text(SMALL, &[]).succeeded();
-    for file in ["manifest.toml", "summary.json", "signals.csv", "log.jsonl"] {
+    for file in ["manifest.toml", "scene.json", "summary.json", "signals.csv", "log.jsonl"] {
         assert!(ran.out.join(file).exists(), "{file}");
     }
     let summary = ran.summary();

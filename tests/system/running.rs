@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command};
 use std::time::{Duration, Instant};
 
+pub use tremie_test_support::until;
+
 /// A running program that is killed if the test fails before it ends.
 pub struct Running {
     child: Child,
@@ -128,14 +130,4 @@ pub fn started(id: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     // The name before may hold anything; the state after it is the third field, the start the 22nd.
     status.rsplit(") ").next()?.split(' ').nth(22 - 3)?.parse().ok()
-}
-
-/// Waits, long enough for any machine, until something holds.
-#[track_caller]
-pub fn until(what: &str, holds: impl Fn() -> bool) {
-    let begin = Instant::now();
-    while !holds() {
-        assert!(begin.elapsed() < Duration::from_secs(60), "in vain: {what}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }

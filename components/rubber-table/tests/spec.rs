@@ -79,7 +79,7 @@ fn the_ring_of_the_valve_becomes_a_table() {
     assert!((work / contents.energies[40] - 1.0).abs() < 1e-6, "{work} {}", contents.energies[40]);
 }
 
-/// Pressed by a third of its height, the ring has lifted its outer rim off the seat. `foot_at` keeps the rim with the
+/// Pressed by half its height, the ring has lifted its outer rim off the seat. `foot_at` keeps the rim with the
 /// foot, and changes nothing else.
 #[test]
 fn a_longer_table_keeps_the_foot_of_a_shorter_one() {
@@ -201,7 +201,7 @@ fn values_that_make_no_sense_are_all_told_at_once() {
     assert!(error.contains("40400 quadrilaterals"), "{error}");
     let error = refused(&(RING.replace("[18, 12]", "[200, 200]") + "frames = 400\n"));
     assert!(error.contains("at most 250") && error.contains("ring.toml:14:"), "{error}");
-    for foot_at in ["0 mm", "0.61 mm"] {
+    for foot_at in ["0.014 mm", "0.61 mm"] {
         let error = refused(&format!("{RING}foot_at = \"{foot_at}\"\n"));
         assert!(error.contains("table.foot_at") && error.contains("ring.toml:14:"), "{error}");
     }

@@ -11,7 +11,7 @@ pub struct FinishedRun {
     pub folder: PathBuf,
     /// Its signals over time: at least one row.
     pub signals: Signals,
-    /// Its scene, from the manifest as resolved.
+    /// Its scene, as its components were given it.
     pub scene: Scene,
 }
 

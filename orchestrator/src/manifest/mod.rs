@@ -75,20 +75,15 @@ pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Manifest, Manifest
     parse(&file, text, sets).map_err(|errors| errors.of_folder(&file))
 }
 
-/// Reads the tables of the manifest at `path`, as [`load`] takes it, with defaults filled in, and no more:
-/// files that it names may be elsewhere.
+/// Reads the tables of the manifest at `path`, as [`load`] takes it, with defaults filled in. Nothing but keys and
+/// kinds of values is checked, and no file is opened that the manifest names.
 ///
 /// # Errors
-/// Every key and value found that no manifest has, each with its place.
+/// Every unknown key and every value of a wrong kind, each with its place.
 pub fn load_tables(path: &Path) -> Result<Value, ManifestErrors> {
     let (file, text) = text_of(path)?;
     let Tables { document, findings, problems, source } = tables(&file, text, &[])?;
-    let problems = with_findings(problems, findings);
-    if problems.is_empty() {
-        Ok(tree_of(&document))
-    } else {
-        Err(ManifestErrors { source_text: source, problems })
-    }
+    settled(source, with_findings(problems, findings)).map(|_| tree_of(&document))
 }
 
 /// The file of a manifest, and its text.
@@ -132,9 +127,9 @@ pub fn parse(
 /// The tables of a manifest, not checked yet.
 struct Tables {
     document: Document,
-    /// What is wrong with keys and values.
+    /// What is wrong with its keys and values.
     findings: Findings,
-    /// What is wrong with those laid over it.
+    /// What is wrong with values of the command line.
     problems: Vec<Problem>,
     source: Source,
 }
@@ -176,9 +171,14 @@ pub fn read_tables<T: DeserializeOwned + Default>(
     let mut problems = Vec::new();
     let tree = tree::read(&mut source, &mut problems);
     let (tables, findings) = read::read(tree);
-    let problems = with_findings(problems, findings);
+    let source = settled(source, with_findings(problems, findings))?;
+    Ok((tables, source))
+}
+
+/// The source of a manifest without problems.
+fn settled(source: Source, problems: Vec<Problem>) -> Result<Source, ManifestErrors> {
     if problems.is_empty() {
-        Ok((tables, source))
+        Ok(source)
     } else {
         Err(ManifestErrors { source_text: source, problems })
     }

@@ -22,6 +22,8 @@ const PROCESS: u64 = 14_000_000;
 /// component [bytes].
 const LISTED: u64 = 3_400;
 const TOLD: u64 = 700;
+/// A listed body in the scene that a run's folder holds [bytes].
+const KEPT: u64 = 200;
 
 /// Memory, shared memory and disk that the run takes, as far as that is known.
 pub(super) fn findings(
@@ -64,7 +66,7 @@ pub(super) fn findings(
         ),
         within(
             "disk, at most",
-            disk(plan, descriptions).saturating_add(kept),
+            disk(plan, descriptions).saturating_add(kept + listed(scene) * KEPT),
             machine.disk,
         ),
     ];
@@ -81,14 +83,19 @@ fn states(plan: &Plan, descriptions: &[Description]) -> u64 {
 /// Memory of all processes, without shared memory [bytes].
 fn memory(scene: &Scene, descriptions: &[Description]) -> u64 {
     let own: u64 = descriptions.iter().map(|description| description.memory).sum();
+    let components = descriptions.len() as u64;
+    // One process more: the orchestrator.
+    own + (components + 1) * PROCESS + listed(scene) * (LISTED + components * TOLD)
+}
+
+/// Number of bodies that the scene lists one by one.
+fn listed(scene: &Scene) -> u64 {
     let sizes = scene.bodies.iter().map(|set| set.placement.sizes());
     let listed = |sizes| match sizes {
         BodySizes::Listed(diameters) => diameters.len() as u64,
         BodySizes::Packed(_) => 0,
     };
-    let (listed, components) = (sizes.map(listed).sum::<u64>(), descriptions.len() as u64);
-    // One process more: the orchestrator.
-    own + (components + 1) * PROCESS + listed * (LISTED + components * TOLD)
+    sizes.map(listed).sum()
 }
 
 /// A number of bytes, judged by what there is room for.

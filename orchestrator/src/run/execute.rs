@@ -20,13 +20,15 @@ use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::steering::SteeringSocket;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
-use std::io;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::sweep::{self, RunPlaces};
 use tremie_channels::{ChannelMedium, InProcess, SharedMemory, memory};
+use tremie_messages::scene::Scene;
 use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
@@ -252,10 +254,7 @@ impl Prepared {
             log.write(LogLevel::Info, ORCHESTRATOR, window, time, &from.to_string())?;
         }
         write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
-        let scene = at(outputs::SCENE);
-        let text = serde_json::to_string(&manifest.spec.scene).map_err(io::Error::from);
-        let text = text.map_err(|error| OutputError::Io { path: scene.clone(), error })?;
-        write_file(&scene, &text)?;
+        write_scene(&at(outputs::SCENE), &manifest.spec.scene)?;
         let trace = execution.trace.as_ref().map(|windows| {
             let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
             let names = physics.map(|peer| peer.name.as_str());
@@ -434,6 +433,18 @@ fn steering_socket(places: &RunPlaces, out: &Path, terminal: &Terminal) -> Optio
         terminal.warn(&format!("the run cannot be steered by other commands: {error}"));
     };
     SteeringSocket::open(places.folder(), out).map_err(warn).ok()
+}
+
+/// Writes a scene, which may list a million bodies, without a second copy in memory.
+fn write_scene(path: &Path, scene: &Scene) -> Result<(), OutputError> {
+    let write = |file: File| {
+        let mut file = BufWriter::new(file);
+        serde_json::to_writer(&mut file, scene)?;
+        file.flush()
+    };
+    File::create(path)
+        .and_then(write)
+        .map_err(|error| OutputError::Io { path: PathBuf::from(path), error })
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {

@@ -1,4 +1,6 @@
-//! Time that a thread spends on a processor.
+//! Time that a thread spends on a processor, and waiting.
+
+use std::time::{Duration, Instant};
 
 /// Seconds that this thread has spent on a processor, whatever other programs do. Where the system
 /// does not tell, the seconds since the first call.
@@ -7,7 +9,7 @@
 /// tick.)
 pub fn processor_seconds() -> f64 {
     of_thread().unwrap_or_else(|| {
-        thread_local!(static START: std::time::Instant = std::time::Instant::now());
+        thread_local!(static START: Instant = Instant::now());
         START.with(|start| start.elapsed().as_secs_f64())
     })
 }
@@ -23,4 +25,14 @@ fn of_thread() -> Option<f64> {
 #[cfg(not(target_os = "linux"))]
 fn of_thread() -> Option<f64> {
     None
+}
+
+/// Waits, long enough for any machine, until something holds.
+#[track_caller]
+pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !holds() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "in vain: {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
 }

@@ -9,7 +9,8 @@
 //!
 //! [`Random`] draws numbers for tests, the same on every machine.
 //!
-//! [`processor_seconds`] times one thread, whatever other programs do beside it.
+//! [`processor_seconds`] times one thread, whatever other programs do beside it. [`until`] waits for what another
+//! thread or process does.
 //!
 //! `observers`, behind a feature of that name, sets an observer up without a run; `interrupted` kills
 //! such a one, and lets it go on from a checkpoint. `through_a_file`,
@@ -26,7 +27,7 @@ mod random;
 #[cfg(feature = "state")]
 mod through_a_file;
 
-pub use clock::processor_seconds;
+pub use clock::{processor_seconds, until};
 pub use damaged::{DamagedInput, inputs};
 pub use random::Random;
 #[cfg(feature = "state")]

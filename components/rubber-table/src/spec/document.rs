@@ -96,7 +96,7 @@ pub(super) struct TableTable {
     pub compression: Length,
     #[serde(default = "frames")]
     pub frames: usize,
-    /// Compression at which what touches the seat is the foot; without it, the largest.
+    /// Compression at which what touches the seat is the foot, in the frame nearest to it; without it, the largest.
     pub foot_at: Option<Length>,
 }
 
@@ -185,11 +185,13 @@ impl SpecDocument {
 
     fn check_foot(&self, out: &mut Vec<Problem>) {
         let Some(foot_at) = self.table.foot_at else { return };
-        let largest = self.table.compression;
-        if !(foot_at.0 > 0.0 && foot_at <= largest) {
+        let largest = self.table.compression.0;
+        // In the frame at rest nothing presses.
+        let least = largest / (self.table.frames.max(2) - 1) as f64;
+        if largest > 0.0 && !(least..=largest).contains(&foot_at.0) {
             let found = format!(
-                "found {} m, expected more than 0 and at most compression, {} m",
-                foot_at.0, largest.0
+                "found {} m, expected from {least} m, the first frame's compression, to {largest} m, the last one's",
+                foot_at.0
             );
             out.push(Problem::new("table.foot_at", found));
         }

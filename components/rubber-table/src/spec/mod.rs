@@ -22,7 +22,7 @@
 //! [table]
 //! compression = "0.6 mm"
 //! frames = 41
-//! foot_at = "0.6 mm"               # what touches the seat there is the foot; without this, at the largest
+//! foot_at = "0.6 mm"               # what touches the seat in the nearest frame is the foot; without this, in the last
 //! ```
 //!
 //! The other sections:

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Facets {
-    /// A: the foot, which touches the seat when fully compressed.
+    /// A: the foot, which touches the seat in the last frame, or in an earlier one that its maker chose.
     pub seat: Vec<[usize; 2]>,
     /// B: stay free.
     pub exposed: Vec<[usize; 2]>,

@@ -13,7 +13,7 @@
 //! | `compression_m` | compression of each frame; the first is 0, then growing |
 //! | `force_N` | force of the seat on the whole ring in each frame, upwards; the first is 0, then growing |
 //! | `vertices_m` | for each frame, radius and height [r, z] of each vertex, seen from the carrier: what is bonded to it stands still |
-//! | `facets` | edges [a, b] of the section's outline, the rubber on their left, a and b numbers of vertices from 0: `seat` touches the seat when fully compressed (surface A, the foot), `exposed` stays free (surface B), `covered` lies against steel along which it slides (may be left out), `bonded` is held by steel |
+//! | `facets` | edges [a, b] of the section's outline, the rubber on their left, a and b numbers of vertices from 0: `seat` touches the seat in the last frame, or in an earlier one that its maker chose (surface A, the foot), `exposed` stays free (surface B), `covered` lies against steel along which it slides (may be left out), `bonded` is held by steel |
 //! | `quads` | quadrilaterals of the section, four vertices each, counter-clockwise; may be empty |
 //! | `mises_stress_Pa` | for each frame, of each quadrilateral; may be empty |
 //! | `energy_J` | stored energy in each frame; may be empty |

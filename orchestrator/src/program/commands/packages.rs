@@ -7,6 +7,7 @@ use crate::registry::{OnArguments, OnRuns};
 use crate::terminal::standard::{answer_text, complain, complain_text};
 use crate::tools::study::done_runs;
 use clap::ArgMatches;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tremie_messages::scene::Scene;
@@ -33,17 +34,20 @@ fn finished(out: &Path) -> Result<FinishedRun, String> {
     Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: scene_of(out)? })
 }
 
-/// The scene that a run was given. A run of another version may have none, or one of another form: that of
-/// its manifest is taken then, for which the files that it names must be where they were.
+/// The scene that a run was given. Of a run without one, or with one of another version, that of its manifest, for
+/// which the files that it names must be where they were.
 fn scene_of(out: &Path) -> Result<Scene, String> {
-    let kept = std::fs::read_to_string(out.join(SCENE)).ok();
-    match kept.and_then(|text| serde_json::from_str(&text).ok()) {
-        Some(scene) => Ok(scene),
-        None => match manifest::load(out, &[]) {
-            Ok(manifest) => Ok(manifest.spec.scene),
-            Err(errors) => Err(errors.to_string()),
-        },
+    let path = out.join(SCENE);
+    match std::fs::read_to_string(&path).and_then(|text| Ok(serde_json::from_str(&text)?)) {
+        Ok(scene) => return Ok(scene),
+        Err(error) if error.kind() == ErrorKind::NotFound => {}
+        Err(error) => complain(format_args!(
+            "warning: cannot read {}: {error}; the scene of the manifest is taken",
+            path.display()
+        )),
     }
+    let manifest = manifest::load(out, &[]).map_err(|errors| errors.to_string())?;
+    Ok(manifest.spec.scene)
 }
 
 /// Gives the answer of a command, or its error.
