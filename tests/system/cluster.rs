@@ -8,6 +8,7 @@ mod runs;
 
 use crate::running::{Running, until};
 use crate::study::{Home, WITH_CHECKPOINTS, errors};
+use crate::tremie::tremie;
 use std::collections::BTreeMap;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -221,6 +222,37 @@ fn ctrl_c_leaves_the_runs_at_slurm() {
     let output: Output = cluster.study(&home, &options).output().unwrap();
     assert!(output.status.success(), "{}", errors(&output));
     assert!(errors(&output).contains("6 of 6 runs are done, 0 made now"), "{}", errors(&output));
+}
+
+/// Each of several studies has an array of its own, but for the run that both have.
+#[test]
+#[ignore = "needs Slurm (apt-get install slurm-wlm) and root"]
+fn several_studies_give_slurm_a_run_of_both_once() {
+    let home = Home::new("");
+    for (name, values) in
+        [("thin", "\"0.05 Pa s\", \"0.06 Pa s\""), ("thick", "\"0.06 Pa s\", \"0.07 Pa s\"")]
+    {
+        let file = home.path().join(format!("{name}.toml"));
+        std::fs::write(file, STUDY.replace("VALUES", values)).unwrap();
+    }
+    let local = |name: &str| {
+        let mut command = tremie();
+        command.current_dir(home.path()).args(["study", &format!("{name}.toml")]).output().unwrap()
+    };
+    let place = tempfile::tempdir().unwrap();
+    let cluster = Cluster::start(place.path());
+    let mut command = tremie();
+    command.env("SLURM_CONF", cluster.folder.join("slurm.conf")).current_dir(home.path());
+    command.args(["study", "thin.toml", "thick.toml", "--out", "out", "--slurm"]);
+    let output = command.output().unwrap();
+    let words = errors(&output);
+    assert!(output.status.success(), "{words}");
+    assert!(words.contains("8 of 8 runs of 2 studies are done, 6 made now"), "{words}");
+    for name in ["thin", "thick"] {
+        assert!(local(name).status.success());
+        let of = |all: &str| home.table(&format!("{all}/{name}"), "runs.csv");
+        assert_eq!(of("out"), of("studies"), "{name}");
+    }
 }
 
 /// A task that is cancelled after a checkpoint, or runs into its time limit, goes on from there when the study

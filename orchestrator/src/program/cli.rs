@@ -51,7 +51,7 @@ pub enum Command {
     Report(ReportArgs),
     /// Check that a program keeps the contract of a component.
     Conform(ConformArgs),
-    /// Run a manifest with many combinations of values, and make a table of the results.
+    /// Run manifests with many combinations of values, and make tables of the results.
     Study(StudyArgs),
     /// Run scenes whose result is known, and compare.
     Validate(ValidateArgs),
@@ -351,16 +351,19 @@ pub struct ReportArgs {
 /// Arguments of `tremie study`.
 #[derive(Debug, Args)]
 pub struct StudyArgs {
-    /// Study file: a manifest, axes of values, columns of the table
-    pub file: PathBuf,
-    /// Folder for runs, table and plots; a study goes on there [default: studies/NAME]
+    /// Study files: a manifest, axes of values, columns of the table
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Folder for runs, table and plots; a study goes on there. With several files, the folder of
+    /// their folders [default: studies/NAME]
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
-    /// Most runs at once; components whose threads the manifest leaves open share the cores then
-    /// [default: as many as the cores are enough for]
+    /// Most runs at once, with --slurm of each study; components whose threads the manifest leaves
+    /// open share the cores then [default: as many as the cores are enough for]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// Give the runs to a Slurm cluster, as an array of jobs, and collect their results
+    /// Give the runs to a Slurm cluster, as an array of jobs for each study, and collect their
+    /// results
     #[arg(long, conflicts_with_all = ["list", "print"])]
     pub slurm: bool,
     /// Only check all, and list the runs

@@ -1,4 +1,4 @@
-//! `tremie study`: many runs of a manifest, and a table of their results.
+//! `tremie study`: many runs of manifests, and tables of their results.
 
 use super::interrupts::count_interrupts;
 use super::{INTERRUPTED, refuse_text};
@@ -14,7 +14,7 @@ use crate::tools::study::{
 };
 use serde_json::json;
 use std::process::ExitCode;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use tremie_results::text_columns;
 
 /// `tremie study`.
@@ -31,24 +31,31 @@ pub fn study(arguments: &StudyArgs) -> ExitCode {
 fn carry_out(arguments: &StudyArgs, terminal: &mut Terminal) -> Result<ExitCode, StudyError> {
     let interrupts =
         count_interrupts().map_err(|error| StudyError::Run(RunError::Signals(error)))?;
-    let study = Study::read(&arguments.file, arguments.out.as_deref(), &interrupts)?;
+    let studies = Study::read_all(&arguments.files, arguments.out.as_deref(), &interrupts)?;
     if arguments.list {
-        list(&study, terminal);
+        list_all(&studies, terminal);
         return Ok(ExitCode::SUCCESS);
     }
     let jobs = arguments.jobs.map(usize::from);
     if arguments.print {
-        print(&study, jobs)?;
+        studies.iter().try_for_each(|study| print(study, jobs))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let _lock = study.folder.lock()?;
-    tell_begin(&study, terminal);
-    let end = match arguments.slurm {
-        true => SlurmQueue::new(&study, jobs, terminal, &interrupts).make_all()?,
-        false => make(&study, jobs, terminal, &interrupts)?,
+    let locks: Result<Vec<_>, _> = studies.iter().map(|study| study.folder.lock()).collect();
+    let _locks = locks?;
+    studies.iter().for_each(|study| tell_begin(study, terminal));
+    let ends = match arguments.slurm {
+        true => SlurmQueue::new(&studies, jobs, terminal, &interrupts)?.make_all()?,
+        false => make(&studies, jobs, terminal, &interrupts)?,
     };
-    tell_plots(&study, &end, terminal)?;
-    Ok(tell_end(&study, &end, arguments, terminal))
+    for (study, end) in studies.iter().zip(&ends) {
+        tell_plots(study, end, terminal)?;
+        if studies.len() > 1 {
+            terminal.say(&outcome_of(study, end));
+        }
+    }
+    let is_interrupted = interrupts.load(Ordering::Relaxed) > 0;
+    Ok(tell_end(&studies, &ends, is_interrupted, arguments, terminal))
 }
 
 /// Reports the reason why a study did not come to its end.
@@ -73,6 +80,15 @@ fn tell_error(error: &StudyError, json: bool, terminal: &mut Terminal) -> ExitCo
 }
 
 /// `--list`: the runs, without making any.
+fn list_all(studies: &[Study], terminal: &Terminal) {
+    for study in studies {
+        if studies.len() > 1 && !terminal.speaks_json() {
+            tell_begin(study, terminal);
+        }
+        list(study, terminal);
+    }
+}
+
 fn list(study: &Study, terminal: &Terminal) {
     let keys: Vec<&str> = study.contents.keys().collect();
     let status =
@@ -100,7 +116,8 @@ fn list(study: &Study, terminal: &Terminal) {
         })
     };
     let runs: Vec<_> = study.runs.iter().map(document).collect();
-    terminal.event(json!({"event": "runs", "keys": keys, "runs": runs}));
+    let out = study.folder.path();
+    terminal.event(json!({"event": "runs", "out": out, "keys": keys, "runs": runs}));
 }
 
 /// `--print`: a line of a shell for each run that is neither done nor under way.
@@ -132,22 +149,21 @@ fn tell_begin(study: &Study, terminal: &Terminal) {
 
 /// Makes the runs that are not done, on this machine.
 fn make(
-    study: &Study,
+    studies: &[Study],
     jobs: Option<usize>,
     terminal: &mut Terminal,
     interrupts: &AtomicUsize,
-) -> Result<StudyEnd, StudyError> {
-    let runs = study.runs.len();
-    let most = study.runs.iter().map(|run| run.threads.share(cores(), jobs).threads).max();
-    let most = most.unwrap_or(1).min(cores());
+) -> Result<Vec<StudyEnd>, StudyError> {
     let cores = cores();
+    let runs = || studies.iter().flat_map(|study| &study.runs);
+    let most = runs().map(|run| run.threads.share(cores, jobs).threads).max();
+    let most = most.unwrap_or(1).min(cores);
     terminal.say(&format!("a run takes up to {most} threads of {cores} cores"));
-    if most == cores && cores > 1 && jobs.is_none() && runs > 1 {
+    if most == cores && cores > 1 && jobs.is_none() && runs().count() > 1 {
         terminal
             .say("runs are made one after the other; --jobs N divides the cores among N of them");
     }
-    let queue = RunQueue::new(study, jobs, terminal, interrupts);
-    queue.make_all()
+    RunQueue::new(studies, jobs, terminal, interrupts)?.make_all()
 }
 
 fn tell_plots(study: &Study, end: &StudyEnd, terminal: &Terminal) -> Result<(), StudyError> {
@@ -158,32 +174,73 @@ fn tell_plots(study: &Study, end: &StudyEnd, terminal: &Terminal) -> Result<(), 
     Ok(())
 }
 
+/// Numbers of runs.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    runs: usize,
+    done: usize,
+    /// Made by this command.
+    made: usize,
+    failed: usize,
+}
+
+impl Tally {
+    fn of(study: &Study, end: &StudyEnd) -> Self {
+        let StudyEnd { made, failed, .. } = *end;
+        Self { runs: study.runs.len(), done: end.ended() - failed, made, failed }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            runs: self.runs + other.runs,
+            done: self.done + other.done,
+            made: self.made + other.made,
+            failed: self.failed + other.failed,
+        }
+    }
+
+    /// In words; `what` is run.
+    fn words(self, what: &str) -> String {
+        let Self { runs, done, made, failed } = self;
+        let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
+        format!("{done} of {runs} {what} are done, {made} made now{failed}")
+    }
+}
+
+/// What became of a study, in words.
+fn outcome_of(study: &Study, end: &StudyEnd) -> String {
+    let table = study.folder.path().join(TABLE);
+    format!("{}; the table is {}", Tally::of(study, end).words("runs"), table.display())
+}
+
 /// The last line; returns the exit code.
 fn tell_end(
-    study: &Study,
-    end: &StudyEnd,
+    studies: &[Study],
+    ends: &[StudyEnd],
+    has_interrupt: bool,
     arguments: &StudyArgs,
     terminal: &mut Terminal,
 ) -> ExitCode {
-    let (runs, ended) = (study.runs.len(), end.results.iter().flatten().count());
-    let done = ended - end.failed;
-    let table = study.folder.path().join(TABLE);
-    let made = end.made;
-    let mut text = format!("{done} of {runs} runs are done, {made} made now");
-    if end.failed > 0 {
-        text += &format!(", {} failed", end.failed);
-    }
-    text += &format!("; the table is {}", table.display());
-    if end.is_interrupted || end.failed > 0 {
-        let why = if end.is_interrupted { "interrupted: " } else { "" };
-        let next = if end.is_interrupted { "goes on" } else { "makes the failed ones again" };
+    let tallies = || studies.iter().zip(ends).map(|(study, end)| Tally::of(study, end));
+    let all = tallies().fold(Tally::default(), Tally::and);
+    // An interrupt after the last run ended none.
+    let is_interrupted = has_interrupt && all.done + all.failed < all.runs;
+    let mut text = match (studies, ends) {
+        ([study], [end]) => outcome_of(study, end),
+        _ => all.words(&format!("runs of {} studies", studies.len())),
+    };
+    if is_interrupted || all.failed > 0 {
+        let why = if is_interrupted { "interrupted: " } else { "" };
+        let next = if is_interrupted { "goes on" } else { "makes the failed ones again" };
         text = format!("{why}{text}\n`{}` {next}", same_command(arguments));
     }
-    terminal.end(
-        &text,
-        json!({"runs": runs, "done": done, "made": made, "failed": end.failed, "table": table}),
-    );
-    match (end.is_interrupted, end.failed) {
+    let tables: Vec<_> = studies.iter().map(|study| study.folder.path().join(TABLE)).collect();
+    let details = json!({
+        "runs": all.runs, "done": all.done, "made": all.made, "failed": all.failed,
+        "tables": tables,
+    });
+    terminal.end(&text, details);
+    match (is_interrupted, all.failed) {
         (true, _) => ExitCode::from(INTERRUPTED),
         (false, 0) => ExitCode::SUCCESS,
         (false, _) => ExitCode::FAILURE,
@@ -192,7 +249,8 @@ fn tell_end(
 
 /// The command, as a shell takes it.
 fn same_command(arguments: &StudyArgs) -> String {
-    let mut words = vec!["tremie study".to_string(), shell_word(arguments.file.as_os_str())];
+    let mut words = vec!["tremie study".to_string()];
+    words.extend(arguments.files.iter().map(|file| shell_word(file.as_os_str())));
     words.extend(arguments.out.iter().map(|out| format!("--out {}", shell_word(out.as_os_str()))));
     words.extend(arguments.jobs.map(|jobs| format!("--jobs {jobs}")));
     words.extend(arguments.slurm.then(|| "--slurm".into()));

@@ -60,8 +60,15 @@ pub enum FolderUse {
 impl StudyFolder {
     /// The folder at `path`, or `studies/NAME`, where NAME is that of the study file.
     pub fn of(path: Option<&Path>, file: &Path) -> Self {
-        let named = || Path::new("studies").join(study_name(file));
-        Self { path: path.map_or_else(named, Path::to_path_buf) }
+        match path {
+            Some(path) => Self { path: path.to_path_buf() },
+            None => Self::among(None, file),
+        }
+    }
+
+    /// The folder of one of several studies: NAME in the folder at `path`, or in `studies`.
+    pub fn among(path: Option<&Path>, file: &Path) -> Self {
+        Self { path: path.unwrap_or(Path::new("studies")).join(study_name(file)) }
     }
 
     /// Its path.
@@ -141,6 +148,27 @@ impl StudyFolder {
         }
     }
 
+    /// Puts a copy of a run, in the folder `from`, in the place of this one. There is never half a copy. A run
+    /// without a folder leaves none.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn copy_run(&self, run: &StudyRun, from: &Path) -> Result<(), StudyError> {
+        self.remove(run)?;
+        if !from.exists() {
+            return Ok(());
+        }
+        let to = self.of_run(run);
+        let copy = || {
+            // Beside the runs: what a kill leaves there is no run.
+            let beside = tempfile::Builder::new().prefix(".copy").tempdir_in(&self.path)?;
+            let whole = beside.path().join(RUNS);
+            copy_folder(from, &whole)?;
+            std::fs::rename(whole, &to)
+        };
+        copy().map_err(StudyError::io(&to))
+    }
+
     /// Writes a file of the study anew: a reader finds the old text or the new one, whole.
     ///
     /// # Errors
@@ -178,6 +206,19 @@ pub fn done_runs(folder: &Path) -> Option<Vec<PathBuf>> {
     let mut runs: Vec<_> = runs.filter(is_done).collect();
     runs.sort();
     Some(runs)
+}
+
+fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
+    std::fs::create_dir(to)?;
+    for entry in std::fs::read_dir(from)? {
+        let (from, to) = entry.map(|entry| (entry.path(), to.join(entry.file_name())))?;
+        if from.is_dir() {
+            copy_folder(&from, &to)?
+        } else {
+            std::fs::copy(&from, &to).map(drop)?
+        }
+    }
+    Ok(())
 }
 
 fn outcome_in(folder: &Path) -> Option<RunOutcome> {

@@ -4,7 +4,8 @@
 //! combinations of the axes are its points (`axes`, `points`); each point is one run, or several
 //! with other seeds (`runs`). Runs are processes of this program (`queue`, `threads`), or tasks of a
 //! cluster (`slurm`), in the study's folder (`folder`). Their signals become columns (`columns`) of a
-//! table (`results`, `table`, `parquet_table`) and plots (`plots`).
+//! table (`results`, `table`, `parquet_table`) and plots (`plots`). Several studies share one queue, and
+//! runs that more than one of them has (`shared_runs`).
 
 mod axes;
 mod columns;
@@ -17,6 +18,7 @@ mod points;
 mod queue;
 mod results;
 mod runs;
+mod shared_runs;
 mod slurm;
 mod table;
 mod threads;
@@ -38,6 +40,7 @@ use crate::outputs::OutputError;
 use crate::run::{RunError, signals_of};
 use crate::tools::shell::shell_line;
 use crate::tools::slurm::SlurmError;
+use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
@@ -51,6 +54,9 @@ pub enum StudyError {
     /// The components of the first point do not begin.
     #[error("the components of the first point: {0}")]
     Run(RunError),
+    /// Two study files would have one folder.
+    #[error("two study files would have the folder {}; give each a command and an --out of its own", .0.display())]
+    SameFolder(PathBuf),
     /// Another study has the folder.
     #[error("{} belongs to a study that is under way; choose another --out", .0.display())]
     Claimed(PathBuf),
@@ -104,20 +110,44 @@ pub struct Study {
 }
 
 impl Study {
-    /// Reads a study file, and checks the manifests of all runs and the signals of the first.
+    /// Reads study files. The folder `out` is that of a single study; of several it holds all folders.
     ///
     /// # Errors
     /// Everything that is wrong with any of them.
-    pub fn read(
-        file: &Path,
+    pub fn read_all(
+        files: &[PathBuf],
         out: Option<&Path>,
+        interrupts: &AtomicUsize,
+    ) -> Result<Vec<Self>, StudyError> {
+        let (mut studies, mut wrong, mut paths) = (Vec::new(), Vec::new(), BTreeSet::new());
+        for file in files {
+            let folder = match files.len() {
+                1 => StudyFolder::of(out, file),
+                _ => StudyFolder::among(out, file),
+            };
+            if !paths.insert(folder.path().to_path_buf()) {
+                return Err(StudyError::SameFolder(folder.path().into()));
+            }
+            match Self::read(file, folder, interrupts) {
+                Ok(study) => studies.push(study),
+                Err(StudyError::Input(errors)) => wrong.extend(errors),
+                Err(other) => return Err(other),
+            }
+        }
+        if wrong.is_empty() { Ok(studies) } else { Err(StudyError::Input(wrong)) }
+    }
+
+    /// Reads a study file, and checks the manifests of all runs and the signals of the first.
+    fn read(
+        file: &Path,
+        folder: StudyFolder,
         interrupts: &AtomicUsize,
     ) -> Result<Self, StudyError> {
         let contents =
             StudyContents::read(file).map_err(|errors| StudyError::Input(vec![errors]))?;
         let (runs, first) = runs::checked_runs(&contents, interrupts)?;
         let columns = columns_with_units(&contents, &first, interrupts)?;
-        Ok(Self { contents, columns, runs, folder: StudyFolder::of(out, file) })
+        Ok(Self { contents, columns, runs, folder })
     }
 
     /// Name of its folder.

@@ -2,6 +2,7 @@
 
 use super::folder::FolderUse;
 use super::results::{StudyEnd, StudyResults, last_words};
+use super::shared_runs::RunPlace;
 use super::threads::{ThreadShare, may_begin};
 use super::{Study, StudyError};
 use crate::run::handshake::cores;
@@ -18,16 +19,16 @@ use std::time::Duration;
 /// Time between looks at the runs.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// The runs of a study while they are made.
+/// The runs of studies while they are made, study by study.
 pub struct RunQueue<'a> {
-    study: &'a Study,
     results: StudyResults<'a>,
     interrupts: &'a AtomicUsize,
     /// Most runs at once.
     jobs: usize,
-    shares: Vec<ThreadShare>,
-    /// Runs that wait, by their numbers.
-    waiting: VecDeque<usize>,
+    /// The same as the command asks for it.
+    asked_jobs: Option<usize>,
+    /// Runs that wait.
+    waiting: VecDeque<RunPlace>,
     going_on: Vec<RunningRun>,
     /// Interrupts that the runs were told.
     told: usize,
@@ -35,7 +36,7 @@ pub struct RunQueue<'a> {
 
 /// A run that is under way.
 struct RunningRun {
-    index: usize,
+    place: RunPlace,
     child: Child,
     /// Its standard error.
     words: File,
@@ -46,27 +47,29 @@ struct RunningRun {
 
 impl<'a> RunQueue<'a> {
     /// The queue of all runs that are not done.
+    ///
+    /// # Errors
+    /// If the disk refuses.
     pub fn new(
-        study: &'a Study,
+        studies: &'a [Study],
         jobs: Option<usize>,
         terminal: &'a mut Terminal,
         interrupts: &'a AtomicUsize,
-    ) -> Self {
-        let shares = study.runs.iter().map(|run| run.threads.share(cores(), jobs)).collect();
-        let results = StudyResults::read(study, terminal);
-        let waiting = results.left().collect();
-        let jobs = jobs.unwrap_or(usize::MAX);
-        let going_on = Vec::new();
-        Self { study, results, interrupts, jobs, shares, waiting, going_on, told: 0 }
+    ) -> Result<Self, StudyError> {
+        let results = StudyResults::read(studies, terminal)?;
+        let (asked_jobs, jobs) = (jobs, jobs.unwrap_or(usize::MAX));
+        let (waiting, going_on) = (VecDeque::new(), Vec::new());
+        Ok(Self { results, interrupts, jobs, asked_jobs, waiting, going_on, told: 0 })
     }
 
-    /// Makes all runs that wait. After an interrupt those under way end in order, and none begins.
+    /// Makes all runs that are left. After an interrupt those under way end in order, and none begins.
+    /// Returns what became of each study.
     ///
     /// Must be called from a thread that outlives the runs: they end with it.
     ///
     /// # Errors
     /// If the study's own files cannot be written or a run cannot be started; the runs have ended then.
-    pub fn make_all(mut self) -> Result<StudyEnd, StudyError> {
+    pub fn make_all(mut self) -> Result<Vec<StudyEnd>, StudyError> {
         let outcome = self.go_on();
         if outcome.is_err() {
             self.send(Signal::INT);
@@ -75,11 +78,12 @@ impl<'a> RunQueue<'a> {
             }
         }
         outcome?;
-        Ok(self.results.end(self.told > 0))
+        Ok(self.results.end())
     }
 
     fn go_on(&mut self) -> Result<(), StudyError> {
-        self.results.write()?;
+        self.results.begin()?;
+        self.waiting = self.results.left().collect();
         while !(self.waiting.is_empty() && self.going_on.is_empty()) {
             self.heed_interrupts();
             self.begin_runs()?;
@@ -112,86 +116,89 @@ impl<'a> RunQueue<'a> {
         }
     }
 
+    fn share(&self, place: RunPlace) -> ThreadShare {
+        self.results.run(place).threads.share(cores(), self.asked_jobs)
+    }
+
     /// Starts runs that wait, in their order, as long as they fit.
     fn begin_runs(&mut self) -> Result<(), StudyError> {
         // Each is looked at once: one whose folder is taken goes to the end.
         for _ in 0..self.waiting.len() {
-            let Some(&index) = self.waiting.front() else { break };
+            let Some(&place) = self.waiting.front() else { break };
             let going_on: Vec<u32> = self.going_on.iter().map(|run| run.threads).collect();
-            if !may_begin(&going_on, self.shares[index].threads, self.jobs, cores()) {
+            if !may_begin(&going_on, self.share(place).threads, self.jobs, cores()) {
                 break;
             }
             self.waiting.pop_front();
-            let run = &self.study.runs[index];
-            match self.study.folder.use_of(run)? {
+            match self.results.use_of(place)? {
                 FolderUse::UnderWay => {
-                    self.waiting.push_back(index);
+                    self.waiting.push_back(place);
                     continue;
                 }
                 // Somebody else has made it meanwhile.
                 FolderUse::Done => {
-                    self.results.take(index)?;
+                    self.results.take(place)?;
                     continue;
                 }
-                FolderUse::BrokenOff => self.start(index, true)?,
+                FolderUse::BrokenOff => self.start(place, true)?,
                 FolderUse::Unfinished => {
-                    self.study.folder.remove(run)?;
-                    self.start(index, false)?;
+                    self.results.remove(place)?;
+                    self.start(place, false)?;
                 }
-                FolderUse::Free => self.start(index, false)?,
+                FolderUse::Free => self.start(place, false)?,
             }
         }
         Ok(())
     }
 
     /// Starts a run, or goes on with it.
-    fn start(&mut self, index: usize, resumes: bool) -> Result<(), StudyError> {
-        let wrong = |error| StudyError::Io { path: self.study.folder.path().into(), error };
-        let words = tempfile::tempfile().map_err(wrong)?;
-        let run = &self.study.runs[index];
+    fn start(&mut self, place: RunPlace, resumes: bool) -> Result<(), StudyError> {
+        let (study, run) = (self.results.study(place), self.results.run(place));
+        let wrong = StudyError::io(study.folder.path());
+        let words = tempfile::tempfile().map_err(&wrong)?;
         let mut command = this_program();
-        let share = &self.shares[index];
+        let share = self.share(place);
         command.args(if resumes {
-            self.study.resuming_arguments(run, &run.threads.resuming_sets(share, cores()))
+            study.resuming_arguments(run, &run.threads.resuming_sets(&share, cores()))
         } else {
-            self.study.arguments(run, share)
+            study.arguments(run, &share)
         });
         command.stdin(Stdio::null()).stdout(Stdio::null());
-        command.stderr(words.try_clone().map_err(wrong)?);
+        command.stderr(words.try_clone().map_err(&wrong)?);
         // A group of its own: Ctrl-C reaches this program alone, which passes it on once.
-        let child = command.process_group(0).spawn().map_err(wrong)?;
+        let child = command.process_group(0).spawn().map_err(&wrong)?;
         let threads = share.threads;
-        self.going_on.push(RunningRun { index, child, words, threads, resumes });
+        self.going_on.push(RunningRun { place, child, words, threads, resumes });
         Ok(())
     }
 
     /// Takes the results of runs that have ended.
     fn collect(&mut self) -> Result<(), StudyError> {
-        let mut place = 0;
-        while place < self.going_on.len() {
-            let ended = self.going_on[place].child.try_wait();
+        let mut next = 0;
+        while next < self.going_on.len() {
+            let ended = self.going_on[next].child.try_wait();
             if matches!(ended, Ok(None)) {
-                place += 1;
+                next += 1;
                 continue;
             }
-            let mut running = self.going_on.remove(place);
-            let index = running.index;
-            if self.told > 0 && !self.results.is_done(index) {
+            let mut running = self.going_on.remove(next);
+            let place = running.place;
+            if self.told > 0 && !self.results.is_done(place) {
                 // It was ended, and will be made again.
                 continue;
             }
-            if self.study.folder.use_of(&self.study.runs[index])? == FolderUse::UnderWay {
+            if self.results.use_of(place)? == FolderUse::UnderWay {
                 // A run of a study that was killed had the folder still.
-                self.waiting.push_back(index);
+                self.waiting.push_back(place);
                 continue;
             }
-            if running.resumes && !self.results.is_done(index) {
+            if running.resumes && !self.results.is_done(place) {
                 // Of another program, or with a state that is damaged: from the start, then.
-                self.study.folder.remove(&self.study.runs[index])?;
-                self.waiting.push_front(index);
+                self.results.remove(place)?;
+                self.waiting.push_front(place);
                 continue;
             }
-            self.results.take_made(index, || last_words(&mut running.words))?;
+            self.results.take_made(place, || last_words(&mut running.words))?;
         }
         Ok(())
     }

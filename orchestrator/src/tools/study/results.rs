@@ -1,6 +1,8 @@
-//! Results of a study's runs as they come, with what the user is told of them.
+//! Results of the runs of studies as they come, with what the user is told of them.
 
-use super::folder::RunOutcome;
+use super::folder::{FolderUse, RunOutcome};
+use super::runs::StudyRun;
+use super::shared_runs::{RunPlace, SharedRuns};
 use super::table::{RunResults, write_tables};
 use super::{Study, StudyError};
 use crate::terminal::{RunsProgress, Terminal};
@@ -13,15 +15,13 @@ use std::time::Instant;
 /// Most failures that are told in full.
 const MOST_TOLD: usize = 20;
 
-/// Results of a study while its runs are made.
+/// Results of studies while their runs are made.
 pub struct StudyResults<'a> {
-    pub study: &'a Study,
+    pub studies: &'a [Study],
     pub terminal: &'a mut Terminal,
-    /// Results of the runs that have ended.
-    results: Vec<Option<RunResults>>,
-    /// Runs that this study made.
-    made: usize,
-    failed: usize,
+    /// What has become of each study so far.
+    ends: Vec<StudyEnd>,
+    shared: SharedRuns,
     begin: Instant,
 }
 
@@ -34,85 +34,177 @@ pub struct StudyEnd {
     pub made: usize,
     /// Runs that failed.
     pub failed: usize,
-    /// The user ended the study.
-    pub is_interrupted: bool,
 }
 
-impl<'a> StudyResults<'a> {
-    /// Results of the runs that are done already.
-    pub fn read(study: &'a Study, terminal: &'a mut Terminal) -> Self {
+impl StudyEnd {
+    /// That of a study none of whose runs is made now.
+    fn before(study: &Study) -> Self {
         let of_done = |run| {
             let outcome = study.folder.outcome(run).filter(RunOutcome::is_done)?;
             Some(RunResults::read(&study.folder, run, &study.columns, outcome))
         };
-        let results = study.runs.iter().map(of_done).collect();
-        Self { study, terminal, results, made: 0, failed: 0, begin: Instant::now() }
+        Self { results: study.runs.iter().map(of_done).collect(), made: 0, failed: 0 }
     }
 
-    /// Numbers of the runs that have not ended.
-    pub fn left(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.results.len()).filter(|index| self.results[*index].is_none())
+    /// Runs that have ended.
+    pub fn ended(&self) -> usize {
+        self.results.iter().flatten().count()
+    }
+}
+
+impl<'a> StudyResults<'a> {
+    /// Results of the runs that are done already.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn read(studies: &'a [Study], terminal: &'a mut Terminal) -> Result<Self, StudyError> {
+        let ends = studies.iter().map(StudyEnd::before).collect();
+        let shared = SharedRuns::of(studies)?;
+        Ok(Self { studies, terminal, ends, shared, begin: Instant::now() })
+    }
+
+    /// Writes all tables. Studies get copies of runs that others have done.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn begin(&mut self) -> Result<(), StudyError> {
+        let done: Vec<_> = self.shared.made_at().filter(|place| self.has(*place)).collect();
+        done.into_iter().try_for_each(|place| self.hand_on(place))?;
+        (0..self.studies.len()).try_for_each(|study| self.write(study))
+    }
+
+    /// A run's study.
+    pub fn study(&self, place: RunPlace) -> &'a Study {
+        &self.studies[place.study]
+    }
+
+    /// A run.
+    pub fn run(&self, place: RunPlace) -> &'a StudyRun {
+        &self.study(place).runs[place.run]
+    }
+
+    /// Readiness of a run's folder.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn use_of(&self, place: RunPlace) -> Result<FolderUse, StudyError> {
+        self.study(place).folder.use_of(self.run(place))
+    }
+
+    /// Removes the folder of a run.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn remove(&self, place: RunPlace) -> Result<(), StudyError> {
+        self.study(place).folder.remove(self.run(place))
+    }
+
+    /// The runs that have not ended.
+    pub fn not_ended(&self) -> impl Iterator<Item = RunPlace> + '_ {
+        RunPlace::all(self.studies).filter(|place| !self.has(*place))
+    }
+
+    /// The runs to be made: those that have not ended, but for copies.
+    pub fn left(&self) -> impl Iterator<Item = RunPlace> + '_ {
+        self.not_ended().filter(|place| !self.shared.is_copy(*place))
+    }
+
+    /// True if the results of a run are here.
+    fn has(&self, place: RunPlace) -> bool {
+        self.ends[place.study].results[place.run].is_some()
     }
 
     /// True if a run is done, as its folder tells.
-    pub fn is_done(&self, index: usize) -> bool {
-        let outcome = self.study.folder.outcome(&self.study.runs[index]);
+    pub fn is_done(&self, place: RunPlace) -> bool {
+        let outcome = self.study(place).folder.outcome(self.run(place));
         outcome.is_some_and(|outcome| outcome.is_done())
     }
 
-    /// Takes the results of a run that this study made; `words` are told if it failed.
+    /// Takes the results of a run that was made now; `words` are told if it failed.
     ///
     /// # Errors
     /// If the disk refuses the tables.
     pub fn take_made(
         &mut self,
-        index: usize,
+        place: RunPlace,
         words: impl FnOnce() -> String,
     ) -> Result<(), StudyError> {
-        self.made += 1;
-        if !self.is_done(index) {
-            self.failed += 1;
-            self.tell_failure(index, &words());
+        self.ends[place.study].made += 1;
+        if !self.is_done(place) {
+            self.ends[place.study].failed += 1;
+            self.tell_failure(place, &words());
         }
-        self.take(index)
+        self.take(place)
     }
 
-    /// Takes the results of a run, and writes the tables anew.
+    /// Takes the results of a run, also for the studies that get a copy of it, and writes their tables anew.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn take(&mut self, index: usize) -> Result<(), StudyError> {
-        let run = &self.study.runs[index];
+    pub fn take(&mut self, place: RunPlace) -> Result<(), StudyError> {
+        self.note(place);
+        self.write(place.study)?;
+        self.hand_on(place)
+    }
+
+    /// Copies the run at `made_at` for the other studies that have it, and takes their results.
+    fn hand_on(&mut self, made_at: RunPlace) -> Result<(), StudyError> {
+        let from = self.study(made_at).folder.of_run(self.run(made_at));
+        for place in self.shared.copies_of(made_at).to_vec() {
+            if self.has(place) {
+                continue;
+            }
+            if self.use_of(place)? == FolderUse::UnderWay {
+                self.tell_left_out(place);
+                continue;
+            }
+            self.study(place).folder.copy_run(self.run(place), &from)?;
+            self.ends[place.study].failed += usize::from(!self.is_done(place));
+            self.note(place);
+            self.write(place.study)?;
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, place: RunPlace) {
+        let (study, run) = (self.study(place), self.run(place));
         // A run that the manifest's components refuse has no summary.
         let refused = || RunOutcome { status: "failed".into(), wall_time: None };
-        let outcome = self.study.folder.outcome(run).unwrap_or_else(refused);
-        let results = RunResults::read(&self.study.folder, run, &self.study.columns, outcome);
+        let outcome = study.folder.outcome(run).unwrap_or_else(refused);
+        let results = RunResults::read(&study.folder, run, &study.columns, outcome);
         self.terminal.event(json!({
             "event": "run", "point": run.point, "seed": run.seed, "values": run.values,
             "status": results.status, "numbers": results.numbers,
-            "out": self.study.folder.of_run(run),
+            "out": study.folder.of_run(run),
         }));
-        self.results[index] = Some(results);
-        self.write()
+        self.ends[place.study].results[place.run] = Some(results);
     }
 
-    /// Writes the tables.
-    ///
-    /// # Errors
-    /// If the disk refuses.
-    pub fn write(&self) -> Result<(), StudyError> {
-        let Study { folder, contents, columns, runs, .. } = self.study;
-        write_tables(folder, contents, columns, runs, &self.results)
+    /// Writes the tables of a study.
+    fn write(&self, study: usize) -> Result<(), StudyError> {
+        let Study { folder, contents, columns, runs, .. } = &self.studies[study];
+        write_tables(folder, contents, columns, runs, &self.ends[study].results)
     }
 
-    fn tell_failure(&mut self, index: usize, words: &str) {
-        if self.failed > MOST_TOLD {
+    /// Tells that a run is left to another program.
+    pub fn tell_left_out(&self, place: RunPlace) {
+        let out = self.study(place).folder.of_run(self.run(place));
+        let text = format!("{} is being made by somebody else: left out", out.display());
+        self.terminal.point_out(&text);
+    }
+
+    fn failed(&self) -> usize {
+        self.ends.iter().map(|end| end.failed).sum()
+    }
+
+    fn tell_failure(&mut self, place: RunPlace, words: &str) {
+        if self.failed() > MOST_TOLD {
             return;
         }
-        let run = &self.study.runs[index];
-        let out = self.study.folder.of_run(run);
-        let values = run.words(&self.study.contents);
-        let number = format!("run {} of {}", index + 1, self.study.runs.len());
+        let (study, run) = (self.study(place), self.run(place));
+        let out = study.folder.of_run(run);
+        let values = run.words(&study.contents);
+        let number = format!("run {} of {}", place.run + 1, study.runs.len());
         let text = format!("{number} failed: {values}; outputs in {}\n{words}", out.display());
         self.terminal.point_out(&text);
         self.terminal.event(json!({
@@ -126,20 +218,21 @@ impl<'a> StudyResults<'a> {
         if !self.terminal.wants_progress() {
             return;
         }
-        let each = self.begin.elapsed().as_secs_f64() / self.made as f64;
+        let made: usize = self.ends.iter().map(|end| end.made).sum();
+        let each = self.begin.elapsed().as_secs_f64() / made as f64;
+        let failed = self.failed();
         self.terminal.progress_of_runs(&RunsProgress {
-            ended: self.results.iter().flatten().count(),
-            runs: self.results.len(),
+            ended: self.ends.iter().map(StudyEnd::ended).sum(),
+            runs: self.studies.iter().map(|study| study.runs.len()).sum(),
             going_on,
-            failed: self.failed,
-            seconds_left: (self.made > 0).then_some(each * (waiting + going_on) as f64),
+            failed,
+            seconds_left: (made > 0).then_some(each * (waiting + going_on) as f64),
         });
     }
 
-    /// What became of all runs.
-    pub fn end(self, is_interrupted: bool) -> StudyEnd {
-        let Self { results, made, failed, .. } = self;
-        StudyEnd { results, made, failed, is_interrupted }
+    /// What became of each study.
+    pub fn end(self) -> Vec<StudyEnd> {
+        self.ends
     }
 }
 

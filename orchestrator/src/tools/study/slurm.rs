@@ -1,6 +1,6 @@
-//! Runs of a study on a cluster: arrays of jobs for Slurm, and the collection of their results.
+//! Runs of studies on a cluster: arrays of jobs for Slurm, and the collection of their results.
 //!
-//! The study's folder must be on a file system that the nodes share. Each array has a file of command lines in
+//! A study's folder must be on a file system that the nodes share. Each array has a file of command lines in
 //! it, one a task, and a script. `slurm.json` beside the tables names the arrays whose tasks may not have
 //! ended, from before Slurm gets them on: a study that was left, or killed at any time, goes on to collect
 //! them. Slurm's queue tells the script of each task, by which it is known.
@@ -10,6 +10,7 @@
 
 use super::folder::FolderUse;
 use super::results::{StudyEnd, StudyResults};
+use super::shared_runs::RunPlace;
 use super::threads::ThreadShare;
 use super::{Study, StudyError};
 use crate::outputs::SLURM;
@@ -31,7 +32,7 @@ const MOST_TASKS: usize = 1000;
 /// Time between looks at Slurm's queue.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// An array of jobs.
+/// An array of jobs, for runs of one study.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct JobArray {
     /// Its script, by which it is known at Slurm.
@@ -46,63 +47,66 @@ struct JobArray {
 /// A task: the script of its array, and its number there.
 type Task = (PathBuf, usize);
 
-/// The runs of a study while a cluster makes them.
+/// The runs of studies while a cluster makes them.
 pub struct SlurmQueue<'a> {
-    study: &'a Study,
     results: StudyResults<'a>,
     interrupts: &'a AtomicUsize,
-    /// Most runs at once.
+    /// Most runs of a study at once.
     at_once: Option<usize>,
-    arrays: Vec<JobArray>,
-    /// Runs that Slurm has, by their numbers: script and task.
-    tasks: BTreeMap<usize, Task>,
+    /// Arrays of each study.
+    arrays: Vec<Vec<JobArray>>,
+    /// Runs that Slurm has: script and task of each.
+    tasks: BTreeMap<RunPlace, Task>,
     /// Runs among them that go on from a checkpoint.
-    resumed: BTreeSet<usize>,
+    resumed: BTreeSet<RunPlace>,
     /// When tasks were found to have ended whose files were not seen yet.
-    ended: BTreeMap<usize, Instant>,
+    ended: BTreeMap<RunPlace, Instant>,
     /// Numbers of the arrays at Slurm, by their scripts.
     jobs: BTreeMap<PathBuf, String>,
 }
 
 impl<'a> SlurmQueue<'a> {
     /// The queue of all runs that are not done.
+    ///
+    /// # Errors
+    /// If the disk refuses.
     pub fn new(
-        study: &'a Study,
+        studies: &'a [Study],
         jobs: Option<usize>,
         terminal: &'a mut Terminal,
         interrupts: &'a AtomicUsize,
-    ) -> Self {
-        let results = StudyResults::read(study, terminal);
-        // Without it, runs that Slurm has are found by the locks of their folders.
-        let text = std::fs::read(study.folder.path().join(ARRAYS)).unwrap_or_default();
-        let arrays = serde_json::from_slice(&text).unwrap_or_default();
-        Self {
-            study,
-            results,
+    ) -> Result<Self, StudyError> {
+        let noted = |study: &Study| {
+            // Without it, runs that Slurm has are found by the locks of their folders.
+            let text = std::fs::read(study.folder.path().join(ARRAYS)).unwrap_or_default();
+            serde_json::from_slice(&text).unwrap_or_default()
+        };
+        Ok(Self {
+            results: StudyResults::read(studies, terminal)?,
             interrupts,
             at_once: jobs,
-            arrays,
+            arrays: studies.iter().map(noted).collect(),
             tasks: BTreeMap::new(),
             resumed: BTreeSet::new(),
             ended: BTreeMap::new(),
             jobs: BTreeMap::new(),
-        }
+        })
     }
 
-    /// Submits all runs that are neither done nor at Slurm, and collects the results. After an interrupt the
-    /// runs go on at Slurm.
+    /// Submits all runs that are neither done nor at Slurm, and collects the results: what became of each
+    /// study. After an interrupt the runs go on at Slurm.
     ///
     /// # Errors
-    /// If Slurm refuses, or the study's own files cannot be written.
-    pub fn make_all(mut self) -> Result<StudyEnd, StudyError> {
-        self.results.write()?;
+    /// If Slurm refuses, or the studies' own files cannot be written.
+    pub fn make_all(mut self) -> Result<Vec<StudyEnd>, StudyError> {
+        self.results.begin()?;
         self.find_tasks()?;
         self.submit()?;
         let mut looked: Option<Instant> = None;
         while !self.tasks.is_empty() {
             if self.interrupts.load(Ordering::Relaxed) > 0 {
                 self.tell_how_it_goes_on();
-                return Ok(self.results.end(true));
+                break;
             }
             if looked.is_none_or(|looked| looked.elapsed() >= LOOK) {
                 self.collect()?;
@@ -110,28 +114,31 @@ impl<'a> SlurmQueue<'a> {
             }
             std::thread::sleep(Duration::from_millis(50));
         }
-        Ok(self.results.end(false))
+        Ok(self.results.end())
     }
 
-    /// Finds the runs that Slurm has of a study before.
+    /// Finds the runs that Slurm has from before.
     fn find_tasks(&mut self) -> Result<(), StudyError> {
-        if self.arrays.is_empty() {
+        if self.arrays.iter().all(Vec::is_empty) {
             return Ok(());
         }
         let queued = queued_tasks()?;
-        let left: BTreeSet<usize> = self.results.left().collect();
-        let name = |index: usize| self.study.runs[index].name.as_str();
-        let numbers: BTreeMap<&str, usize> =
-            left.iter().map(|index| (name(*index), *index)).collect();
-        for JobArray { script, runs, resumed } in &self.arrays {
+        let not_ended: Vec<_> = self.results.not_ended().collect();
+        let name = |place: &RunPlace| (place.study, self.results.run(*place).name.as_str());
+        let places: BTreeMap<(usize, &str), RunPlace> =
+            not_ended.iter().map(|place| (name(place), *place)).collect();
+        let of_study = |(study, arrays)| std::iter::repeat(study).zip(arrays);
+        for (study, JobArray { script, runs, resumed }) in
+            self.arrays.iter().enumerate().flat_map(of_study)
+        {
             for (task, run) in (1..).zip(runs) {
                 let task = (script.clone(), task);
-                if let Some(index) = numbers.get(run.as_str())
+                if let Some(place) = places.get(&(study, run.as_str()))
                     && let Some(found) = queued.get(&task)
                 {
                     self.jobs.insert(script.clone(), found.job.clone());
-                    self.tasks.insert(*index, task);
-                    self.resumed.extend(resumed.contains(run).then_some(*index));
+                    self.tasks.insert(*place, task);
+                    self.resumed.extend(resumed.contains(run).then_some(*place));
                 }
             }
         }
@@ -145,82 +152,87 @@ impl<'a> SlurmQueue<'a> {
     /// Submits what is neither done nor at Slurm.
     fn submit(&mut self) -> Result<(), StudyError> {
         let mut new = Vec::new();
-        let left: Vec<usize> = self.results.left().collect();
-        for index in left.into_iter().filter(|index| !self.tasks.contains_key(index)) {
-            let run = &self.study.runs[index];
-            match self.study.folder.use_of(run)? {
-                FolderUse::Done => self.results.take(index)?,
+        let left: Vec<_> = self.results.left().collect();
+        for place in left.into_iter().filter(|place| !self.tasks.contains_key(place)) {
+            match self.results.use_of(place)? {
+                FolderUse::Done => self.results.take(place)?,
                 FolderUse::BrokenOff => {
-                    self.resumed.insert(index);
-                    new.push(index);
+                    self.resumed.insert(place);
+                    new.push(place);
                 }
                 FolderUse::Unfinished => {
-                    self.study.folder.remove(run)?;
-                    new.push(index);
+                    self.results.remove(place)?;
+                    new.push(place);
                 }
-                FolderUse::Free => new.push(index),
-                FolderUse::UnderWay => {
-                    let out = self.study.folder.of_run(run);
-                    let text =
-                        format!("{} is being made by somebody else: left out", out.display());
-                    self.results.terminal.point_out(&text);
-                }
+                FolderUse::Free => new.push(place),
+                FolderUse::UnderWay => self.results.tell_left_out(place),
             }
         }
         self.submit_runs(&new)
     }
 
-    fn submit_runs(&mut self, runs: &[usize]) -> Result<(), StudyError> {
-        let is_one_of_several = runs.len() > MOST_TASKS;
-        runs.chunks(MOST_TASKS).try_for_each(|array| self.submit_array(array, is_one_of_several))
+    /// Submits runs, sorted by their studies.
+    fn submit_runs(&mut self, runs: &[RunPlace]) -> Result<(), StudyError> {
+        let of_studies = runs.chunk_by(|one, next| one.study == next.study);
+        for (study, runs) in of_studies.filter_map(|runs| Some((runs.first()?.study, runs))) {
+            let is_one_of_several = runs.len() > MOST_TASKS;
+            runs.chunks(MOST_TASKS)
+                .try_for_each(|array| self.submit_array(study, array, is_one_of_several))?;
+        }
+        Ok(())
     }
 
     /// Command line of a run, which goes on or begins.
-    fn line_of(&self, index: usize, share: &ThreadShare) -> Result<String, StudyError> {
-        let run = &self.study.runs[index];
-        match self.resumed.contains(&index) {
-            true => self.study.resuming_line(run, share),
-            false => self.study.command_line(run, share),
+    fn line_of(&self, place: RunPlace, share: &ThreadShare) -> Result<String, StudyError> {
+        let (study, run) = (self.results.study(place), self.results.run(place));
+        match self.resumed.contains(&place) {
+            true => study.resuming_line(run, share),
+            false => study.command_line(run, share),
         }
     }
 
-    fn submit_array(&mut self, runs: &[usize], is_one_of_several: bool) -> Result<(), StudyError> {
-        let folder = self.study.folder.path().join(SLURM);
-        let folder = std::path::absolute(&folder).unwrap_or(folder);
-        std::fs::create_dir_all(&folder).map_err(StudyError::io(&folder))?;
-        let number = (1..).find(|k| !folder.join(format!("{k}.sh")).exists()).unwrap_or(1);
+    fn submit_array(
+        &mut self,
+        study: usize,
+        runs: &[RunPlace],
+        is_one_of_several: bool,
+    ) -> Result<(), StudyError> {
+        let Study { folder, contents, .. } = &self.results.studies[study];
+        let scripts = folder.path().join(SLURM);
+        let scripts = std::path::absolute(&scripts).unwrap_or(scripts);
+        std::fs::create_dir_all(&scripts).map_err(StudyError::io(&scripts))?;
+        let number = (1..).find(|k| !scripts.join(format!("{k}.sh")).exists()).unwrap_or(1);
         let (lines, script) = (format!("{number}.lines"), format!("{number}.sh"));
-        let contents = &self.study.contents;
-        let shares: Vec<ThreadShare> =
-            runs.iter().map(|run| contents.slurm.share(&self.study.runs[*run].threads)).collect();
+        let share = |place: &RunPlace| contents.slurm.share(&self.results.run(*place).threads);
+        let shares: Vec<ThreadShare> = runs.iter().map(share).collect();
         let mut text = String::new();
-        for (run, share) in runs.iter().zip(&shares) {
-            text += &self.line_of(*run, share)?;
+        for (place, share) in runs.iter().zip(&shares) {
+            text += &self.line_of(*place, share)?;
             text.push('\n');
         }
         let write = |name: &str, text: &str| {
-            let path = folder.join(name);
+            let path = scripts.join(name);
             std::fs::write(&path, text).map_err(StudyError::io(&path)).map(|()| path)
         };
         let lines = write(&lines, &text)?;
         let array = ArrayScript {
-            name: format!("tremie-{}", self.study.name()),
+            name: format!("tremie-{}", self.results.studies[study].name()),
             tasks: runs.len(),
             at_once: self.at_once,
             in_turn: is_one_of_several && self.at_once.is_some(),
             threads: shares.iter().map(|share| share.threads).max().unwrap_or(1),
-            folder: folder.clone(),
+            folder: scripts.clone(),
             options: contents.slurm.options.clone(),
             lines,
         };
         let script = write(&script, &array.text())?;
-        let name = |run: &usize| self.study.runs[*run].name.clone();
+        let name = |place: &RunPlace| self.results.run(*place).name.clone();
         let resumed = runs.iter().filter(|run| self.resumed.contains(run)).map(name).collect();
         let names = runs.iter().map(name).collect();
-        self.arrays.push(JobArray { script: script.clone(), runs: names, resumed });
-        self.note()?;
+        self.arrays[study].push(JobArray { script: script.clone(), runs: names, resumed });
+        self.note(study)?;
         let job = submit(&script)?;
-        self.tasks.extend((1..).zip(runs).map(|(task, run)| (*run, (script.clone(), task))));
+        self.tasks.extend((1..).zip(runs).map(|(task, place)| (*place, (script.clone(), task))));
         let text = format!("Slurm has {} runs as job {job}; {}", runs.len(), script.display());
         self.results.terminal.say(&text);
         self.jobs.insert(script, job);
@@ -232,31 +244,32 @@ impl<'a> SlurmQueue<'a> {
         let queued = queued_tasks()?;
         let (mut running, mut waiting) = (0, 0);
         let (mut gone, mut anew) = (Vec::new(), Vec::new());
-        for (&index, task) in &self.tasks {
+        for (&place, task) in &self.tasks {
             match queued.get(task).map(|found| found.state) {
                 Some(JobState::Waiting) => waiting += 1,
                 Some(JobState::Running) => running += 1,
-                None => gone.push(index),
+                None => gone.push(place),
             }
         }
-        for index in gone {
-            let ended = *self.ended.entry(index).or_insert_with(Instant::now);
+        for place in gone {
+            let ended = *self.ended.entry(place).or_insert_with(Instant::now);
+            let folder = &self.results.study(place).folder;
             // A shared file system shows files of another machine late.
-            let is_seen = self.study.folder.outcome(&self.study.runs[index]).is_some();
+            let is_seen = folder.outcome(self.results.run(place)).is_some();
             if !is_seen && ended.elapsed() < FILES_SEEN {
                 continue;
             }
-            let Some((script, task)) = self.tasks.remove(&index) else { continue };
+            let Some((script, task)) = self.tasks.remove(&place) else { continue };
             let job = self.jobs.get(&script).cloned().unwrap_or_default();
             let end = JobEnd::asked(format!("{job}_{task}"));
-            if self.resumed.remove(&index) && !self.results.is_done(index) && end.has_failed() {
+            if self.resumed.remove(&place) && !self.results.is_done(place) && end.has_failed() {
                 // Of another program, or with a state that is damaged: from the start, then.
-                self.study.folder.remove(&self.study.runs[index])?;
-                anew.push(index);
+                self.results.remove(place)?;
+                anew.push(place);
                 continue;
             }
-            let file = self.study.folder.path().join(SLURM).join(format!("{job}_{task}.txt"));
-            self.results.take_made(index, || end.words(&file))?;
+            let file = folder.path().join(SLURM).join(format!("{job}_{task}.txt"));
+            self.results.take_made(place, || end.words(&file))?;
         }
         self.forget_ended()?;
         self.submit_runs(&anew)?;
@@ -271,20 +284,21 @@ impl<'a> SlurmQueue<'a> {
 
     /// Forgets arrays all of whose tasks have ended.
     fn forget_ended(&mut self) -> Result<(), StudyError> {
-        let scripts = self.scripts();
-        let is_over = |array: &JobArray| !scripts.contains(&array.script);
-        if !self.arrays.iter().any(is_over) {
-            return Ok(());
+        let scripts: BTreeSet<PathBuf> = self.scripts().into_iter().cloned().collect();
+        for study in 0..self.arrays.len() {
+            let before = self.arrays[study].len();
+            self.arrays[study].retain(|array| scripts.contains(&array.script));
+            if self.arrays[study].len() < before {
+                self.note(study)?;
+            }
         }
-        let left = self.arrays.iter().filter(|array| !is_over(array)).cloned().collect();
-        self.arrays = left;
-        self.note()
+        Ok(())
     }
 
-    /// Notes the arrays that may not have ended.
-    fn note(&self) -> Result<(), StudyError> {
-        let text = serde_json::to_vec_pretty(&self.arrays).unwrap_or_default();
-        self.study.folder.write(ARRAYS, &text)
+    /// Notes the arrays of a study that may not have ended.
+    fn note(&self, study: usize) -> Result<(), StudyError> {
+        let text = serde_json::to_vec_pretty(&self.arrays[study]).unwrap_or_default();
+        self.results.studies[study].folder.write(ARRAYS, &text)
     }
 
     fn tell_how_it_goes_on(&self) {

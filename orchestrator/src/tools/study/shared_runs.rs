@@ -1,0 +1,109 @@
+//! Runs that several studies have: one study makes each, the others get a copy of its folder.
+
+use super::folder::FolderUse;
+use super::{Study, StudyError};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Place of a run among those of several studies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RunPlace {
+    /// Its study, counted from 0.
+    pub study: usize,
+    /// Its number in the study, counted from 0.
+    pub run: usize,
+}
+
+impl RunPlace {
+    /// Places of all runs, study by study.
+    pub fn all(studies: &[Study]) -> impl Iterator<Item = Self> + '_ {
+        let of_study =
+            |(study, of): (usize, &Study)| (0..of.runs.len()).map(move |run| Self { study, run });
+        studies.iter().enumerate().flat_map(of_study)
+    }
+}
+
+/// Runs that several studies have.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct SharedRuns {
+    /// Places that get a copy, by the place where the run is made.
+    copies: BTreeMap<RunPlace, Vec<RunPlace>>,
+    /// All places that get a copy.
+    are_copies: BTreeSet<RunPlace>,
+}
+
+impl SharedRuns {
+    /// The runs that several of the studies have. Each is made where most of it is there.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn of(studies: &[Study]) -> Result<Self, StudyError> {
+        let mut places: BTreeMap<&str, Vec<RunPlace>> = BTreeMap::new();
+        for place in RunPlace::all(studies) {
+            // Runs of the same name have the same resolved manifest and the same files.
+            places.entry(&studies[place.study].runs[place.run].name).or_default().push(place);
+        }
+        let mut shared = Self::default();
+        for places in places.into_values().filter(|places| places.len() > 1) {
+            let of = |place: &RunPlace| &studies[place.study];
+            let uses =
+                places.iter().map(|place| of(place).folder.use_of(&of(place).runs[place.run]));
+            shared.add(&places, &uses.collect::<Result<Vec<_>, _>>()?);
+        }
+        Ok(shared)
+    }
+
+    /// Adds a run that is at several places, with the readiness of its folder at each.
+    fn add(&mut self, places: &[RunPlace], uses: &[FolderUse]) {
+        let order = |found: &FolderUse| match found {
+            FolderUse::Done => 0,
+            FolderUse::UnderWay => 1,
+            FolderUse::BrokenOff => 2,
+            FolderUse::Unfinished | FolderUse::Free => 3,
+        };
+        // Of equal ones the first.
+        let made_at = places.iter().zip(uses).min_by_key(|(_, found)| order(found));
+        let Some((&made_at, _)) = made_at else { return };
+        let others: Vec<_> = places.iter().copied().filter(|place| *place != made_at).collect();
+        self.are_copies.extend(&others);
+        self.copies.insert(made_at, others);
+    }
+
+    /// Places where runs are made that other places get copies of.
+    pub fn made_at(&self) -> impl Iterator<Item = RunPlace> + '_ {
+        self.copies.keys().copied()
+    }
+
+    /// Places that get a copy of the run at `made_at`.
+    pub fn copies_of(&self, made_at: RunPlace) -> &[RunPlace] {
+        self.copies.get(&made_at).map_or(&[], Vec::as_slice)
+    }
+
+    /// True if a place gets a copy.
+    pub fn is_copy(&self, place: RunPlace) -> bool {
+        self.are_copies.contains(&place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shared_run_is_made_where_most_of_it_is_there() {
+        let places = [0, 1, 2].map(|study| RunPlace { study, run: 4 });
+        for (uses, made) in [
+            ([FolderUse::Free, FolderUse::Free, FolderUse::Unfinished], 0),
+            ([FolderUse::Free, FolderUse::BrokenOff, FolderUse::BrokenOff], 1),
+            ([FolderUse::BrokenOff, FolderUse::Free, FolderUse::UnderWay], 2),
+            ([FolderUse::UnderWay, FolderUse::Done, FolderUse::Done], 1),
+        ] {
+            let mut shared = SharedRuns::default();
+            shared.add(&places, &uses);
+            assert_eq!(shared.made_at().collect::<Vec<_>>(), [places[made]], "{uses:?}");
+            let others: Vec<_> = (0..3).filter(|study| *study != made).collect();
+            let copies = shared.copies_of(places[made]);
+            assert_eq!(copies.iter().map(|it| it.study).collect::<Vec<_>>(), others, "{uses:?}");
+            assert!(!shared.is_copy(places[made]) && copies.iter().all(|it| shared.is_copy(*it)));
+        }
+    }
+}
