@@ -224,34 +224,51 @@ fn ctrl_c_leaves_the_runs_at_slurm() {
     assert!(errors(&output).contains("6 of 6 runs are done, 0 made now"), "{}", errors(&output));
 }
 
-/// Each of several studies has an array of its own, but for the run that both have.
+/// Each of several studies has an array of its own. A run that both have is given once, also when Slurm has it
+/// already from a command that was left.
 #[test]
 #[ignore = "needs Slurm (apt-get install slurm-wlm) and root"]
 fn several_studies_give_slurm_a_run_of_both_once() {
     let home = Home::new("");
     for (name, values) in
-        [("thin", "\"0.05 Pa s\", \"0.06 Pa s\""), ("thick", "\"0.06 Pa s\", \"0.07 Pa s\"")]
+        [("thin", r#""0.05 Pa s", "0.06 Pa s""#), ("thick", r#""0.06 Pa s", "0.07 Pa s""#)]
     {
         let file = home.path().join(format!("{name}.toml"));
         std::fs::write(file, STUDY.replace("VALUES", values)).unwrap();
     }
-    let local = |name: &str| {
-        let mut command = tremie();
-        command.current_dir(home.path()).args(["study", &format!("{name}.toml")]).output().unwrap()
-    };
     let place = tempfile::tempdir().unwrap();
     let cluster = Cluster::start(place.path());
-    let mut command = tremie();
-    command.env("SLURM_CONF", cluster.folder.join("slurm.conf")).current_dir(home.path());
-    command.args(["study", "thin.toml", "thick.toml", "--out", "out", "--slurm"]);
-    let output = command.output().unwrap();
-    let words = errors(&output);
-    assert!(output.status.success(), "{words}");
+    let study = |words: &[&str]| {
+        let mut command = tremie();
+        command.env("SLURM_CONF", cluster.folder.join("slurm.conf"));
+        command.current_dir(home.path()).arg("study").args(words);
+        command
+    };
+    let lines = |out: &str| {
+        let file = home.path().join(out).join("slurm/1.lines");
+        std::fs::read_to_string(file).map_or(0, |text| text.lines().count())
+    };
+    let made = study(&["thin.toml", "thick.toml", "--out", "new", "--slurm"]).output().unwrap();
+    let words = errors(&made);
+    assert!(made.status.success(), "{words}");
     assert!(words.contains("8 of 8 runs of 2 studies are done, 6 made now"), "{words}");
+    assert_eq!((lines("new/thin"), lines("new/thick")), (4, 2));
+
+    // One task at a time: the second study begins while Slurm has most of the first.
+    let mut command = study(&["thick.toml", "--out", "left/thick", "--slurm", "--jobs", "1"]);
+    let mut following = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
+    until("tasks", || !cluster.queue().is_empty());
+    following.send("-KILL");
+    following.wait(Duration::from_secs(20));
+    let made = study(&["thin.toml", "thick.toml", "--out", "left", "--slurm"]).output().unwrap();
+    let words = errors(&made);
+    assert!(made.status.success(), "{words}");
+    assert!(words.contains("8 of 8 runs of 2 studies are done"), "{words}");
+    assert_eq!((lines("left/thin"), lines("left/thick")), (2, 4), "{words}");
     for name in ["thin", "thick"] {
-        assert!(local(name).status.success());
+        assert!(study(&[&format!("{name}.toml")]).status().unwrap().success());
         let of = |all: &str| home.table(&format!("{all}/{name}"), "runs.csv");
-        assert_eq!(of("out"), of("studies"), "{name}");
+        assert_eq!((of("new"), of("left")), (of("studies"), of("studies")), "{name}");
     }
 }
 

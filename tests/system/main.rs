@@ -43,6 +43,7 @@ mod rubber;
 mod running;
 mod same_bits;
 mod scenes;
+mod several_studies;
 mod signals;
 mod sliders;
 mod starting;

@@ -10,7 +10,7 @@ use std::time::Duration;
 use tempfile::TempDir;
 
 /// Four points of small runs on one thread each.
-const STUDY: &str = r#"
+pub const STUDY: &str = r#"
 base = "base.toml"
 
 [[axes]]
@@ -109,7 +109,7 @@ pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-fn said(output: &Output) -> String {
+pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
@@ -418,127 +418,26 @@ fn a_printed_line_makes_a_broken_run_again() {
     assert_eq!(home.ended("out").len(), 1);
 }
 
-/// Two studies of three and two points, of which one run is in both.
-fn home_of_two() -> Home {
-    let home = Home::new("");
-    let values = |values: &str| STUDY.replace("\"0.05 Pa s\", \"0.08 Pa s\"", values);
-    let rows = |study: &str| study.replace(", [0.1, 0.9]]", "]");
-    let thin = rows(&values("\"0.05 Pa s\", \"1e-12 Pa s\", \"0.08 Pa s\""));
-    std::fs::write(home.path().join("thin.toml"), thin).unwrap();
-    let thick = rows(&values("\"0.08 Pa s\", \"0.1 Pa s\""));
-    std::fs::write(home.path().join("thick.toml"), thick).unwrap();
-    home
-}
-
-fn study_of(home: &Home, words: &[&str]) -> Output {
-    tremie().current_dir(home.path()).arg("study").args(words).output().unwrap()
-}
-
-/// Studies in one command share the queue. Both have the run in the middle: it is made once. The tables
-/// are those of each study alone.
-#[test]
-fn several_studies_make_a_run_of_both_once() {
-    let home = home_of_two();
-    assert_eq!(study_of(&home, &["thin.toml", "--out", "alone/thin"]).status.code(), Some(1));
-    assert!(study_of(&home, &["thick.toml", "--out", "alone/thick"]).status.success());
-    let both = ["thin.toml", "thick.toml", "--out", "both", "--jobs", "2"];
-    let output = study_of(&home, &both);
-    let words = errors(&output);
-    assert_eq!(output.status.code(), Some(1), "{words}");
-    assert!(words.contains("run 2 of 3 failed: scene.fluid.viscosity = 1e-12 Pa s"), "{words}");
-    assert!(words.contains("2 of 3 runs are done, 3 made now, 1 failed; the table is both/thin/"));
-    assert!(
-        words.contains("2 of 2 runs are done, 1 made now; the table is both/thick/"),
-        "{words}"
-    );
-    let end = "4 of 5 runs of 2 studies are done, 4 made now, 1 failed\n\
-               `tremie study thin.toml thick.toml --out both --jobs 2` makes the failed ones again";
-    assert!(words.contains(end), "{words}");
-    for name in ["thin", "thick"] {
-        for table in ["runs.csv", "speed-over-scene-fluid-viscosity.svg"] {
-            let of = |all: &str| home.table(&format!("{all}/{name}"), table);
-            assert_eq!(of("both"), of("alone"), "{name}: {table}");
-        }
-    }
-
-    // A run that is done in one study comes from there, also when it is the second.
-    std::fs::remove_dir_all(home.path().join("both/thin")).unwrap();
-    let output = study_of(&home, &both);
-    let end = "4 of 5 runs of 2 studies are done, 2 made now, 1 failed";
-    assert!(errors(&output).contains(end), "{}", errors(&output));
-    assert_eq!(home.table("both/thin", "runs.csv"), home.table("alone/thin", "runs.csv"));
-    let left = |name: &str| {
-        let entries = std::fs::read_dir(home.path().join("both").join(name)).unwrap().flatten();
-        entries.filter(|entry| entry.file_name().to_string_lossy().starts_with('.')).count()
-    };
-    assert_eq!((left("thin"), left("thick")), (0, 0), "half copies");
-}
-
-/// A run that fails in one study fails in the other: it is tried and told once.
-#[test]
-fn several_studies_try_a_run_of_both_that_fails_once() {
-    let home = home_of_two();
-    let thick = std::fs::read_to_string(home.path().join("thick.toml")).unwrap();
-    let thick = thick.replace("\"0.08 Pa s\", \"0.1 Pa s\"", "\"0.1 Pa s\", \"1e-12 Pa s\"");
-    std::fs::write(home.path().join("thick.toml"), thick).unwrap();
-    let words = ["thin.toml", "thick.toml", "--json"];
-    let output = study_of(&home, &words);
-    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
-    let events: Vec<serde_json::Value> =
-        said(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    let of = |kind: &str| events.iter().filter(|event| event["event"] == kind).count();
-    assert_eq!((of("run"), of("failure")), (5, 1), "{events:?}");
-    let end = &events.iter().find(|event| event["event"] == "end").unwrap()["summary"];
-    let numbers = ["runs", "done", "made", "failed"].map(|key| end[key].as_u64().unwrap());
-    assert_eq!(numbers, [5, 3, 4, 2], "{end}");
-    assert_eq!(
-        end["tables"],
-        serde_json::json!(["studies/thin/runs.csv", "studies/thick/runs.csv"])
-    );
-    let failed =
-        |name: &str| home.table(&format!("studies/{name}"), "runs.csv").matches(",failed,").count();
-    assert_eq!((failed("thin"), failed("thick")), (1, 1));
-}
-
-#[test]
-fn several_studies_are_checked_and_listed_together() {
-    let home = home_of_two();
-    let output = study_of(&home, &["thin.toml", "thick.toml", "--list"]);
-    assert!(output.status.success(), "{}", errors(&output));
-    let listed = said(&output);
-    assert!(listed.contains("3 points, 3 runs; outputs in studies/thin\n"), "{listed}");
-    assert_eq!(listed.lines().count(), 2 + 2 + 3 + 2, "{listed}");
-    let printed = said(&study_of(&home, &["thin.toml", "thick.toml", "--print"]));
-    assert_eq!(printed.lines().count(), 5, "{printed}");
-
-    let output = study_of(&home, &["thin.toml", "thin.toml"]);
-    assert_eq!(output.status.code(), Some(1));
-    let words = "two study files would have the folder studies/thin; give each";
-    assert!(errors(&output).contains(words), "{}", errors(&output));
-    // What is wrong with any of them is told, and nothing runs.
-    for name in ["thin", "thick"] {
-        let file = home.path().join(format!("{name}.toml"));
-        let wrong = std::fs::read_to_string(&file).unwrap().replace("\"max\"", "\"most\"");
-        std::fs::write(file, wrong).unwrap();
-    }
-    let output = study_of(&home, &["thin.toml", "thick.toml"]);
-    assert_eq!(output.status.code(), Some(2));
-    let words = errors(&output);
-    assert!(words.contains("thin.toml:17:") && words.contains("thick.toml:17:"), "{words}");
-    assert!(!home.path().join("studies").exists());
+/// Names of the runs in a line of a list.
+fn names(line: &str) -> Vec<String> {
+    let list: serde_json::Value = serde_json::from_str(line).unwrap();
+    let runs = list["runs"].as_array().unwrap().iter();
+    runs.map(|run| run["run"].as_str().unwrap().to_string()).collect()
 }
 
 #[test]
 fn the_examples_are_right() {
-    let mut runs = 0;
+    let output =
+        tremie().args(["study", "examples/studies/sphere.toml", "--list"]).output().unwrap();
+    assert!(output.status.success(), "{}", errors(&output));
+    assert_eq!(said(&output).lines().count(), 9 + 1);
     let coarse = std::fs::read_dir("examples/studies/valve/coarse").unwrap();
     let coarse = coarse.map(|entry| entry.unwrap().path());
-    for file in coarse.chain(["examples/studies/sphere.toml".into()]) {
-        let output = tremie().arg("study").arg(&file).arg("--list").output().unwrap();
-        assert!(output.status.success(), "{}: {}", file.display(), errors(&output));
-        runs += said(&output).lines().count() - 1;
-    }
-    assert_eq!(runs, 68 + 9);
+    let output = tremie().arg("study").args(coarse).args(["--list", "--json"]).output().unwrap();
+    assert!(output.status.success(), "{}", errors(&output));
+    let all: Vec<_> = said(&output).lines().flat_map(names).collect();
+    let different: std::collections::BTreeSet<_> = all.iter().collect();
+    assert_eq!((all.len(), different.len()), (68, 60));
 }
 
 /// The studies at the paper's resolution are of manifests that the reader makes first; else they

@@ -1,6 +1,7 @@
 //! Curves and marks in a chart, drawn as SVG.
 
 use crate::colour_map::ColourMap;
+use crate::ticks::{decade, tick_numbers};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
@@ -69,6 +70,8 @@ pub struct Chart {
     pub curves: Vec<Curve>,
 }
 
+/// The number at a tick of an axis.
+type TickText<'a> = &'a dyn Fn(&f64) -> String;
 /// A sheet or part of it to draw on.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
@@ -88,11 +91,14 @@ impl Chart {
         };
         let (log_x, log_y) =
             (log(&mut points().map(|p| p.0), x.end), log(&mut points().map(|p| p.1), y.end));
+        let (of_x, of_y) = (tick_numbers(&x), tick_numbers(&y));
+        let ticks: [TickText<'_>; 2] =
+            [if self.log_x { &decade } else { &of_x }, if self.log_y { &decade } else { &of_y }];
         match [self.log_x, self.log_y] {
-            [false, false] => self.draw_within(area, x, y),
-            [true, false] => self.draw_within(area, log_x, y),
-            [false, true] => self.draw_within(area, x, log_y),
-            [true, true] => self.draw_within(area, log_x, log_y),
+            [false, false] => self.draw_within(area, x, y, ticks),
+            [true, false] => self.draw_within(area, log_x, y, ticks),
+            [false, true] => self.draw_within(area, x, log_y, ticks),
+            [true, true] => self.draw_within(area, log_x, log_y, ticks),
         }
     }
 
@@ -126,7 +132,13 @@ impl Chart {
         .map_or(SeriesLabelPosition::UpperRight, |(corner, _)| corner)
     }
 
-    fn draw_within<X, Y>(&self, area: &Area<'_>, x: X, y: Y) -> Result<(), String>
+    fn draw_within<X, Y>(
+        &self,
+        area: &Area<'_>,
+        x: X,
+        y: Y,
+        ticks: [TickText<'_>; 2],
+    ) -> Result<(), String>
     where
         X: AsRangedCoord<Value = f64>,
         X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
@@ -147,8 +159,8 @@ impl Chart {
             .x_desc(&self.x)
             .y_desc(&self.y)
             .light_line_style(WHITE)
-            .x_label_formatter(&if self.log_x { decade } else { tick })
-            .y_label_formatter(&if self.log_y { decade } else { tick })
+            .x_label_formatter(ticks[0])
+            .y_label_formatter(ticks[1])
             .draw()
             .map_err(wrong)?;
         // Marks count their colours apart: the k-th reference has the colour of the k-th line.
@@ -190,16 +202,6 @@ impl Chart {
             .map_err(wrong)?;
         Ok(())
     }
-}
-
-/// The number at a tick: without the digits that rounding left, and 0 without a sign.
-pub(crate) fn tick(value: &f64) -> String {
-    format!("{}", (value * 1e9).round() / 1e9 + 0.0)
-}
-
-/// The number at a tick of a logarithmic axis.
-fn decade(value: &f64) -> String {
-    if (0.01..1e5).contains(value) { tick(value) } else { format!("{value:.0e}") }
 }
 
 /// The range of all numbers, with a margin.

@@ -1,6 +1,7 @@
 //! A coloured map: values on a grid of cells over two axes, with a bar of colours.
 
-use crate::charts::{Area, tick};
+use crate::charts::Area;
+use crate::ticks::tick_numbers;
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -41,6 +42,7 @@ impl ColourMap {
         let small = self.merged();
         let values = small.range();
         let [x, y] = small.extent.map(|[low, high]| low..high);
+        let ticks = [tick_numbers(&x), tick_numbers(&y)];
         let mut chart = ChartBuilder::on(&map)
             .caption(&self.title, ("sans-serif", 18))
             .margin(10)
@@ -53,8 +55,8 @@ impl ColourMap {
             .disable_mesh()
             .x_desc(&self.x)
             .y_desc(&self.y)
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
+            .x_label_formatter(&ticks[0])
+            .y_label_formatter(&ticks[1])
             .draw()
             .map_err(wrong)?;
         let cells = small.cells().map(|(corners, value)| {
@@ -130,7 +132,8 @@ fn draw_bar(area: &Area<'_>, values: Range<f64>) -> Result<(), String> {
         .build_cartesian_2d(0.0..1.0, values.clone())
         .map_err(wrong)?;
     let mut mesh = chart.configure_mesh();
-    mesh.disable_mesh().disable_x_axis().y_labels(5).y_label_formatter(&tick);
+    let ticks = tick_numbers(&values);
+    mesh.disable_mesh().disable_x_axis().y_labels(5).y_label_formatter(&ticks);
     // Else as small as the bar is narrow.
     mesh.y_label_style(("sans-serif", 10));
     mesh.draw().map_err(wrong)?;

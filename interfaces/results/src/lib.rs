@@ -11,6 +11,7 @@ mod finished_run;
 mod profile_tables;
 mod signals;
 mod text_columns;
+mod ticks;
 
 pub use charts::{Area, Chart, Curve, SheetPanel, draw_panels, draw_sheet};
 pub use colour_map::ColourMap;

@@ -48,7 +48,7 @@ pub enum OutputError {
 
 impl OutputError {
     /// For `map_err` at `path`.
-    pub(super) fn at(path: &Path) -> impl Fn(io::Error) -> Self {
+    pub fn at(path: &Path) -> impl Fn(io::Error) -> Self {
         let path = path.to_path_buf();
         move |error| Self::Io { path: path.clone(), error }
     }

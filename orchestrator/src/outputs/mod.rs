@@ -12,6 +12,7 @@ mod signals;
 mod steering_record;
 mod summary;
 mod trace;
+mod whole_file;
 
 pub use breach::{Breach, with_unit};
 pub use checkpoint_folder::{
@@ -28,6 +29,7 @@ pub use steering_record::{ChangeRecord, forget_changes, read_changes, record_cha
 pub use summary::{ComponentSummary, ComponentTotals, Ending, Summary};
 pub use trace::Trace;
 pub use tremie_results::SIGNALS;
+pub use whole_file::write_whole;
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";

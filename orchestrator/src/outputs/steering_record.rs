@@ -2,6 +2,7 @@
 //! line, and beside it the manifest with which the run began.
 
 use super::folder::OutputError;
+use super::whole_file::write_whole;
 use super::{BEGUN, STEERING};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -46,7 +47,8 @@ pub fn read_changes(path: &Path) -> Result<Vec<ChangeRecord>, String> {
 pub fn record_change(out: &Path, before: &str, change: &ChangeRecord) -> Result<(), OutputError> {
     let begun = out.join(BEGUN);
     if !begun.exists() {
-        fs::write(&begun, before).map_err(OutputError::at(&begun))?;
+        write_whole(&begun, |file| file.write_all(before.as_bytes()))
+            .map_err(OutputError::at(&begun))?;
     }
     let mut changes = forget_changes(out, change.window)?;
     match changes.iter_mut().find(|known| known.window == change.window) {
@@ -77,17 +79,15 @@ pub fn forget_changes(out: &Path, window: u64) -> Result<Vec<ChangeRecord>, Outp
 }
 
 fn write(out: &Path, changes: &[ChangeRecord]) -> Result<(), OutputError> {
-    let (path, part) = (out.join(STEERING), out.join(format!("{STEERING}.part")));
+    let path = out.join(STEERING);
     if changes.is_empty() {
         let gone = fs::remove_file(&path).and_then(|()| fs::remove_file(out.join(BEGUN)));
         return gone.map_err(OutputError::at(&path));
     }
     let lines = changes.iter().map(|change| serde_json::to_string(change).map(|line| line + "\n"));
     let text: Result<String, _> = lines.collect();
-    // Renamed when it is whole: a kill leaves the old record or the new one.
     text.map_err(io::Error::from)
-        .and_then(|text| fs::write(&part, text))
-        .and_then(|()| fs::rename(&part, &path))
+        .and_then(|text| write_whole(&path, |file| file.write_all(text.as_bytes())))
         .map_err(OutputError::at(&path))
 }
 

@@ -358,7 +358,7 @@ pub struct StudyArgs {
     /// their folders [default: studies/NAME]
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
-    /// Most runs at once, with --slurm of each study; components whose threads the manifest leaves
+    /// Most runs at once (with --slurm, of each study); components whose threads the manifest leaves
     /// open share the cores then [default: as many as the cores are enough for]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,

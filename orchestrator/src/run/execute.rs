@@ -3,7 +3,7 @@
 use crate::manifest::{Manifest, ORCHESTRATOR};
 use crate::outputs::{
     self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, RankTimes, RunFolder, RunLog,
-    SignalTable, Statistics, Summary, Trace,
+    SignalTable, Statistics, Summary, Trace, write_whole,
 };
 use crate::plan::{PlannedComponent, REPORT_DEPTH};
 use crate::preflight;
@@ -20,15 +20,13 @@ use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::steering::SteeringSocket;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::sweep::{self, RunPlaces};
 use tremie_channels::{ChannelMedium, InProcess, SharedMemory, memory};
-use tremie_messages::scene::Scene;
 use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
@@ -253,8 +251,12 @@ impl Prepared {
             let time = clock.seconds(window * clock.ticks_per_window);
             log.write(LogLevel::Info, ORCHESTRATOR, window, time, &from.to_string())?;
         }
-        write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
-        write_scene(&at(outputs::SCENE), &manifest.spec.scene)?;
+        let write = |name: &str, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
+            write_whole(&at(name), fill).map_err(OutputError::at(&at(name)))
+        };
+        write(outputs::MANIFEST, &|file| file.write_all(manifest.resolved().as_bytes()))?;
+        // Without a second copy in memory: it may list a million bodies.
+        write(outputs::SCENE, &|file| Ok(serde_json::to_writer(file, &manifest.spec.scene)?))?;
         let trace = execution.trace.as_ref().map(|windows| {
             let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
             let names = physics.map(|peer| peer.name.as_str());
@@ -433,22 +435,6 @@ fn steering_socket(places: &RunPlaces, out: &Path, terminal: &Terminal) -> Optio
         terminal.warn(&format!("the run cannot be steered by other commands: {error}"));
     };
     SteeringSocket::open(places.folder(), out).map_err(warn).ok()
-}
-
-/// Writes a scene, which may list a million bodies, without a second copy in memory.
-fn write_scene(path: &Path, scene: &Scene) -> Result<(), OutputError> {
-    let write = |file: File| {
-        let mut file = BufWriter::new(file);
-        serde_json::to_writer(&mut file, scene)?;
-        file.flush()
-    };
-    File::create(path)
-        .and_then(write)
-        .map_err(|error| OutputError::Io { path: PathBuf::from(path), error })
-}
-
-fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
-    std::fs::write(path, text).map_err(|error| OutputError::Io { path: PathBuf::from(path), error })
 }
 
 impl Ended {

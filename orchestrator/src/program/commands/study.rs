@@ -9,10 +9,11 @@ use crate::terminal::standard::answer;
 use crate::terminal::{Style, Terminal};
 use crate::tools::shell::shell_word;
 use crate::tools::study::{
-    FolderUse, RunQueue, SlurmQueue, Study, StudyEnd, StudyError, StudyRun, TABLE, draw_plots,
-    value_text,
+    FolderUse, RunPlace, RunQueue, SharedRuns, SlurmQueue, Study, StudyEnd, StudyError, StudyRun,
+    TABLE, draw_plots, value_text,
 };
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tremie_results::text_columns;
@@ -38,14 +39,14 @@ fn carry_out(arguments: &StudyArgs, terminal: &mut Terminal) -> Result<ExitCode,
     }
     let jobs = arguments.jobs.map(usize::from);
     if arguments.print {
-        studies.iter().try_for_each(|study| print(study, jobs))?;
+        print(&studies, jobs)?;
         return Ok(ExitCode::SUCCESS);
     }
     let locks: Result<Vec<_>, _> = studies.iter().map(|study| study.folder.lock()).collect();
     let _locks = locks?;
     studies.iter().for_each(|study| tell_begin(study, terminal));
     let ends = match arguments.slurm {
-        true => SlurmQueue::new(&studies, jobs, terminal, &interrupts)?.make_all()?,
+        true => SlurmQueue::new(&studies, jobs, terminal, &interrupts).make_all()?,
         false => make(&studies, jobs, terminal, &interrupts)?,
     };
     for (study, end) in studies.iter().zip(&ends) {
@@ -120,9 +121,13 @@ fn list(study: &Study, terminal: &Terminal) {
     terminal.event(json!({"event": "runs", "out": out, "keys": keys, "runs": runs}));
 }
 
-/// `--print`: a line of a shell for each run that is neither done nor under way.
-fn print(study: &Study, jobs: Option<usize>) -> Result<(), StudyError> {
-    for run in &study.runs {
+/// `--print`: a line of a shell for each run that is neither done nor under way; one for a run of several
+/// studies, which the others copy later.
+fn print(studies: &[Study], jobs: Option<usize>) -> Result<(), StudyError> {
+    let shared = SharedRuns::of(studies, &BTreeSet::new())?;
+    for place in RunPlace::all(studies).filter(|place| !shared.is_copy(*place)) {
+        let study = &studies[place.study];
+        let run = &study.runs[place.run];
         let folder = study.folder.of_run(run);
         let folder = std::path::absolute(&folder).unwrap_or(folder);
         let share = run.threads.share(cores(), jobs);
@@ -163,7 +168,7 @@ fn make(
         terminal
             .say("runs are made one after the other; --jobs N divides the cores among N of them");
     }
-    RunQueue::new(studies, jobs, terminal, interrupts)?.make_all()
+    RunQueue::new(studies, jobs, terminal, interrupts).make_all()
 }
 
 fn tell_plots(study: &Study, end: &StudyEnd, terminal: &Terminal) -> Result<(), StudyError> {
@@ -187,7 +192,8 @@ struct Tally {
 impl Tally {
     fn of(study: &Study, end: &StudyEnd) -> Self {
         let StudyEnd { made, failed, .. } = *end;
-        Self { runs: study.runs.len(), done: end.ended() - failed, made, failed }
+        let done = end.ended().saturating_sub(failed);
+        Self { runs: study.runs.len(), done, made, failed }
     }
 
     fn and(self, other: Self) -> Self {
@@ -223,27 +229,33 @@ fn tell_end(
 ) -> ExitCode {
     let tallies = || studies.iter().zip(ends).map(|(study, end)| Tally::of(study, end));
     let all = tallies().fold(Tally::default(), Tally::and);
+    let are_left = all.done + all.failed < all.runs;
     // An interrupt after the last run ended none.
-    let is_interrupted = has_interrupt && all.done + all.failed < all.runs;
+    let is_interrupted = has_interrupt && are_left;
     let mut text = match (studies, ends) {
         ([study], [end]) => outcome_of(study, end),
         _ => all.words(&format!("runs of {} studies", studies.len())),
     };
-    if is_interrupted || all.failed > 0 {
+    if are_left || all.failed > 0 {
         let why = if is_interrupted { "interrupted: " } else { "" };
-        let next = if is_interrupted { "goes on" } else { "makes the failed ones again" };
+        let next = if are_left { "goes on" } else { "makes the failed ones again" };
         text = format!("{why}{text}\n`{}` {next}", same_command(arguments));
     }
-    let tables: Vec<_> = studies.iter().map(|study| study.folder.path().join(TABLE)).collect();
+    let of_study = |(study, tally): (&Study, Tally)| {
+        let table = study.folder.path().join(TABLE);
+        let Tally { runs, done, made, failed } = tally;
+        json!({"table": table, "runs": runs, "done": done, "made": made, "failed": failed})
+    };
+    let each: Vec<_> = studies.iter().zip(tallies()).map(of_study).collect();
     let details = json!({
         "runs": all.runs, "done": all.done, "made": all.made, "failed": all.failed,
-        "tables": tables,
+        "studies": each,
     });
     terminal.end(&text, details);
-    match (is_interrupted, all.failed) {
+    match (is_interrupted, are_left || all.failed > 0) {
         (true, _) => ExitCode::from(INTERRUPTED),
-        (false, 0) => ExitCode::SUCCESS,
-        (false, _) => ExitCode::FAILURE,
+        (false, false) => ExitCode::SUCCESS,
+        (false, true) => ExitCode::FAILURE,
     }
 }
 

@@ -4,7 +4,7 @@ use super::call::{SlurmError, submit};
 use super::job_end::{JobEnd, last_words};
 use super::queue::{QueuedJob, queued};
 use super::run_script::RunScript;
-use crate::outputs::{SLURM, SUMMARY};
+use crate::outputs::{SLURM, SUMMARY, write_whole};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
@@ -87,11 +87,9 @@ impl RunJob {
     }
 
     fn note(&self, folder: &Path) -> Result<(), NotSubmitted> {
-        let (path, part) = (folder.join(RECORD), folder.join("job.json.part"));
+        let path = folder.join(RECORD);
         let text = serde_json::to_vec_pretty(self).unwrap_or_default();
-        // A reader finds the old text or the new one, whole.
-        let written = std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, &path));
-        written.map_err(NotSubmitted::io(&path))
+        write_whole(&path, |file| file.write_all(&text)).map_err(NotSubmitted::io(&path))
     }
 
     /// The job that was submitted last for the run of the folder `out`.

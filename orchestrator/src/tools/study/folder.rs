@@ -2,15 +2,17 @@
 
 use super::StudyError;
 use super::runs::StudyRun;
-use crate::outputs::{OutputError, RunFolder, SUMMARY, WholeCheckpoint};
+use crate::outputs::{OutputError, RunFolder, SUMMARY, WholeCheckpoint, write_whole};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// File that a study locks while it is under way.
 const LOCK: &str = "study.lock";
+/// Folder of a run that is being copied.
+const COPY: &str = "copy.part";
 /// Folder of the runs.
 const RUNS: &str = "runs";
 
@@ -95,7 +97,11 @@ impl StudyFolder {
         match flock(&file, FlockOperation::NonBlockingLockExclusive) {
             Err(Errno::WOULDBLOCK) => Err(StudyError::Claimed(self.path.clone())),
             // A file system without locks has none to respect.
-            _ => Ok(StudyLock { _file: file }),
+            _ => {
+                let part = self.path.join(COPY);
+                remove_folder(&part).map_err(StudyError::io(&part))?;
+                Ok(StudyLock { _file: file })
+            }
         }
     }
 
@@ -140,33 +146,25 @@ impl StudyFolder {
     /// If the disk refuses.
     pub fn remove(&self, run: &StudyRun) -> Result<(), StudyError> {
         let folder = self.of_run(run);
-        match std::fs::remove_dir_all(&folder) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(StudyError::Io { path: folder, error })
-            }
-            _ => Ok(()),
-        }
+        remove_folder(&folder).map_err(StudyError::io(&folder))
     }
 
-    /// Puts a copy of a run, in the folder `from`, in the place of this one. There is never half a copy. A run
-    /// without a folder leaves none.
+    /// Puts a copy of a run that is done, in the folder `from`, in the place of this one. There is never half a
+    /// copy, and what was there stays until the copy is whole.
     ///
     /// # Errors
     /// If the disk refuses.
     pub fn copy_run(&self, run: &StudyRun, from: &Path) -> Result<(), StudyError> {
-        self.remove(run)?;
-        if !from.exists() {
-            return Ok(());
-        }
-        let to = self.of_run(run);
-        let copy = || {
-            // Beside the runs: what a kill leaves there is no run.
-            let beside = tempfile::Builder::new().prefix(".copy").tempdir_in(&self.path)?;
-            let whole = beside.path().join(RUNS);
-            copy_folder(from, &whole)?;
-            std::fs::rename(whole, &to)
-        };
-        copy().map_err(StudyError::io(&to))
+        // Beside the runs: what a kill leaves there is no run.
+        let (part, to) = (self.path.join(COPY), self.of_run(run));
+        let copied = remove_folder(&part)
+            .and_then(|()| copy_folder(from, &part))
+            .and_then(|()| remove_folder(&to))
+            .and_then(|()| std::fs::rename(&part, &to));
+        copied.map_err(|error| {
+            let _ = remove_folder(&part);
+            StudyError::Io { path: to, error }
+        })
     }
 
     /// Writes a file of the study anew: a reader finds the old text or the new one, whole.
@@ -175,16 +173,7 @@ impl StudyFolder {
     /// If the disk refuses.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
         let path = self.path.join(name);
-        let write = || {
-            let mut file = tempfile::NamedTempFile::new_in(&self.path)?;
-            file.write_all(bytes)?;
-            // Temporary files are their owner's alone; tables are not.
-            let mode = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-            file.as_file().set_permissions(mode)?;
-            file.as_file().sync_data()?;
-            file.persist(&path).map_err(|error| error.error)
-        };
-        write().map(drop).map_err(StudyError::io(&path))
+        write_whole(&path, |file| file.write_all(bytes)).map_err(StudyError::io(&path))
     }
 }
 
@@ -208,17 +197,27 @@ pub fn done_runs(folder: &Path) -> Option<Vec<PathBuf>> {
     Some(runs)
 }
 
-fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
+/// Removes a folder, if it is there.
+fn remove_folder(folder: &Path) -> io::Result<()> {
+    match std::fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Copies a folder, to be on the disk also after a power cut.
+fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     std::fs::create_dir(to)?;
     for entry in std::fs::read_dir(from)? {
         let (from, to) = entry.map(|entry| (entry.path(), to.join(entry.file_name())))?;
         if from.is_dir() {
-            copy_folder(&from, &to)?
+            copy_folder(&from, &to)?;
         } else {
-            std::fs::copy(&from, &to).map(drop)?
+            std::fs::copy(&from, &to)?;
+            File::open(&to)?.sync_data()?;
         }
     }
-    Ok(())
+    File::open(to)?.sync_all()
 }
 
 fn outcome_in(folder: &Path) -> Option<RunOutcome> {
@@ -238,6 +237,49 @@ mod tests {
         assert_eq!(study_name(Path::new("a/valve/study.toml")), "valve");
     }
 
+    fn texts(folder: &Path) -> Vec<(PathBuf, String)> {
+        let mut all = Vec::new();
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => all.extend(texts(&path)),
+                false => all.push((path.clone(), std::fs::read_to_string(path).unwrap())),
+            }
+        }
+        all.sort();
+        all
+    }
+
+    /// A copy has all that the run has. One that cannot be made leaves what was there.
+    #[test]
+    fn a_run_is_copied_whole_or_not_at_all() {
+        let home = tempfile::tempdir().unwrap();
+        let [from, to] = ["from", "to"].map(|name| StudyFolder { path: home.path().join(name) });
+        let run = StudyRun { name: "a1".into(), ..StudyRun::default() };
+        let [from_run, to_run] = [&from, &to].map(|folder| folder.of_run(&run));
+        for (folder, text) in [(&from_run, "new"), (&to_run, "old")] {
+            std::fs::create_dir_all(folder.join("checkpoints/000012")).unwrap();
+            std::fs::write(folder.join("checkpoints/000012/fluid.zip"), text).unwrap();
+        }
+        std::fs::write(from_run.join("summary.json"), "{}").unwrap();
+        std::fs::write(to_run.join("begun.toml"), "old").unwrap();
+        let old = texts(&to_run);
+        // What a kill left of an earlier copy.
+        std::fs::create_dir(to.path().join(COPY)).unwrap();
+        assert!(to.copy_run(&run, &home.path().join("nowhere")).is_err());
+        assert_eq!(texts(to.path()), old);
+        to.copy_run(&run, &from_run).unwrap();
+        let within = |folder: &Path| -> Vec<_> {
+            let all = texts(folder).into_iter();
+            all.map(|(path, text)| (path.strip_prefix(folder).unwrap().to_owned(), text)).collect()
+        };
+        assert_eq!(within(&to_run), within(&from_run));
+        assert_eq!(within(&from_run).len(), 2);
+        std::fs::create_dir(to.path().join(COPY)).unwrap();
+        drop(to.lock().unwrap());
+        assert!(!to.path().join(COPY).exists());
+    }
+
     #[test]
     fn of_two_studies_one_gets_the_folder() {
         let home = tempfile::tempdir().unwrap();
@@ -246,15 +288,5 @@ mod tests {
         assert!(matches!(folder.lock(), Err(StudyError::Claimed(_))));
         drop(lock);
         folder.lock().unwrap();
-    }
-
-    #[test]
-    fn a_file_is_written_whole() {
-        let home = tempfile::tempdir().unwrap();
-        let folder = StudyFolder::of(Some(home.path()), Path::new("a.toml"));
-        folder.write("runs.csv", b"one").unwrap();
-        folder.write("runs.csv", b"two").unwrap();
-        assert_eq!(std::fs::read(home.path().join("runs.csv")).unwrap(), b"two");
-        assert_eq!(std::fs::read_dir(home.path()).unwrap().count(), 1);
     }
 }

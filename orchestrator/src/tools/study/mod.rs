@@ -2,7 +2,7 @@
 //!
 //! A study file (`file`, `contents`) names a manifest, axes of values and columns. All
 //! combinations of the axes are its points (`axes`, `points`); each point is one run, or several
-//! with other seeds (`runs`). Runs are processes of this program (`queue`, `threads`), or tasks of a
+//! with other seeds (`runs`, `run_name`). Runs are processes of this program (`queue`, `threads`), or tasks of a
 //! cluster (`slurm`), in the study's folder (`folder`). Their signals become columns (`columns`) of a
 //! table (`results`, `table`, `parquet_table`) and plots (`plots`). Several studies share one queue, and
 //! runs that more than one of them has (`shared_runs`).
@@ -17,6 +17,7 @@ mod plots;
 mod points;
 mod queue;
 mod results;
+mod run_name;
 mod runs;
 mod shared_runs;
 mod slurm;
@@ -31,6 +32,7 @@ pub use plots::draw_plots;
 pub use queue::RunQueue;
 pub use results::StudyEnd;
 pub use runs::StudyRun;
+pub use shared_runs::{RunPlace, SharedRuns};
 pub use slurm::SlurmQueue;
 pub use table::{RunResults, TABLE};
 pub use threads::ThreadShare;
@@ -119,15 +121,18 @@ impl Study {
         out: Option<&Path>,
         interrupts: &AtomicUsize,
     ) -> Result<Vec<Self>, StudyError> {
-        let (mut studies, mut wrong, mut paths) = (Vec::new(), Vec::new(), BTreeSet::new());
-        for file in files {
-            let folder = match files.len() {
-                1 => StudyFolder::of(out, file),
-                _ => StudyFolder::among(out, file),
-            };
+        let folder = |file: &PathBuf| match files.len() {
+            1 => StudyFolder::of(out, file),
+            _ => StudyFolder::among(out, file),
+        };
+        let mut paths = BTreeSet::new();
+        for folder in files.iter().map(folder) {
             if !paths.insert(folder.path().to_path_buf()) {
                 return Err(StudyError::SameFolder(folder.path().into()));
             }
+        }
+        let (mut studies, mut wrong) = (Vec::new(), Vec::new());
+        for (file, folder) in files.iter().map(|file| (file, folder(file))) {
             match Self::read(file, folder, interrupts) {
                 Ok(study) => studies.push(study),
                 Err(StudyError::Input(errors)) => wrong.extend(errors),

@@ -9,7 +9,7 @@ use crate::run::handshake::cores;
 use crate::run::launch::this_program;
 use crate::terminal::Terminal;
 use rustix::process::{Pid, Signal, kill_process};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::fs::File;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Stdio};
@@ -47,19 +47,16 @@ struct RunningRun {
 
 impl<'a> RunQueue<'a> {
     /// The queue of all runs that are not done.
-    ///
-    /// # Errors
-    /// If the disk refuses.
     pub fn new(
         studies: &'a [Study],
         jobs: Option<usize>,
         terminal: &'a mut Terminal,
         interrupts: &'a AtomicUsize,
-    ) -> Result<Self, StudyError> {
-        let results = StudyResults::read(studies, terminal)?;
+    ) -> Self {
+        let results = StudyResults::read(studies, terminal);
         let (asked_jobs, jobs) = (jobs, jobs.unwrap_or(usize::MAX));
         let (waiting, going_on) = (VecDeque::new(), Vec::new());
-        Ok(Self { results, interrupts, jobs, asked_jobs, waiting, going_on, told: 0 })
+        Self { results, interrupts, jobs, asked_jobs, waiting, going_on, told: 0 }
     }
 
     /// Makes all runs that are left. After an interrupt those under way end in order, and none begins.
@@ -82,8 +79,7 @@ impl<'a> RunQueue<'a> {
     }
 
     fn go_on(&mut self) -> Result<(), StudyError> {
-        self.results.begin()?;
-        self.waiting = self.results.left().collect();
+        self.waiting = self.results.begin(BTreeSet::new(), self.interrupts)?.into();
         while !(self.waiting.is_empty() && self.going_on.is_empty()) {
             self.heed_interrupts();
             self.begin_runs()?;
@@ -137,7 +133,7 @@ impl<'a> RunQueue<'a> {
                 }
                 // Somebody else has made it meanwhile.
                 FolderUse::Done => {
-                    self.results.take(place)?;
+                    self.waiting.extend(self.results.take(place)?);
                     continue;
                 }
                 FolderUse::BrokenOff => self.start(place, true)?,
@@ -198,7 +194,10 @@ impl<'a> RunQueue<'a> {
                 self.waiting.push_front(place);
                 continue;
             }
-            self.results.take_made(place, || last_words(&mut running.words))?;
+            let left = self.results.take_made(place, || last_words(&mut running.words))?;
+            if self.told == 0 {
+                self.waiting.extend(left);
+            }
         }
         Ok(())
     }

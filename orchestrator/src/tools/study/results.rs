@@ -8,8 +8,10 @@ use super::{Study, StudyError};
 use crate::terminal::{RunsProgress, Terminal};
 use crate::tools::last_lines::last_lines;
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Seek;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Most failures that are told in full.
@@ -22,6 +24,10 @@ pub struct StudyResults<'a> {
     /// What has become of each study so far.
     ends: Vec<StudyEnd>,
     shared: SharedRuns,
+    /// Runs that a cluster had before; they come to their ends there.
+    under_way: BTreeSet<RunPlace>,
+    /// Failures that were told.
+    told: usize,
     begin: Instant,
 }
 
@@ -54,23 +60,34 @@ impl StudyEnd {
 
 impl<'a> StudyResults<'a> {
     /// Results of the runs that are done already.
-    ///
-    /// # Errors
-    /// If the disk refuses.
-    pub fn read(studies: &'a [Study], terminal: &'a mut Terminal) -> Result<Self, StudyError> {
+    pub fn read(studies: &'a [Study], terminal: &'a mut Terminal) -> Self {
         let ends = studies.iter().map(StudyEnd::before).collect();
-        let shared = SharedRuns::of(studies)?;
-        Ok(Self { studies, terminal, ends, shared, begin: Instant::now() })
+        let (shared, under_way, told) = (SharedRuns::default(), BTreeSet::new(), 0);
+        Self { studies, terminal, ends, shared, under_way, told, begin: Instant::now() }
     }
 
-    /// Writes all tables. Studies get copies of runs that others have done.
+    /// Writes all tables, and returns the runs to be made. A cluster has those at `under_way`. Studies get
+    /// copies of runs that others have done; after an interrupt no more of them.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn begin(&mut self) -> Result<(), StudyError> {
+    pub fn begin(
+        &mut self,
+        under_way: BTreeSet<RunPlace>,
+        interrupts: &AtomicUsize,
+    ) -> Result<Vec<RunPlace>, StudyError> {
+        (0..self.studies.len()).try_for_each(|study| self.write(study))?;
+        self.shared = SharedRuns::of(self.studies, &under_way)?;
+        self.under_way = under_way;
+        let mut left = self.not_ended();
+        left.retain(|place| !self.shared.is_copy(*place) && !self.under_way.contains(place));
         let done: Vec<_> = self.shared.made_at().filter(|place| self.has(*place)).collect();
-        done.into_iter().try_for_each(|place| self.hand_on(place))?;
-        (0..self.studies.len()).try_for_each(|study| self.write(study))
+        for place in done {
+            if interrupts.load(Ordering::Relaxed) == 0 {
+                left.extend(self.hand_on(place)?);
+            }
+        }
+        Ok(left)
     }
 
     /// A run's study.
@@ -100,13 +117,8 @@ impl<'a> StudyResults<'a> {
     }
 
     /// The runs that have not ended.
-    pub fn not_ended(&self) -> impl Iterator<Item = RunPlace> + '_ {
-        RunPlace::all(self.studies).filter(|place| !self.has(*place))
-    }
-
-    /// The runs to be made: those that have not ended, but for copies.
-    pub fn left(&self) -> impl Iterator<Item = RunPlace> + '_ {
-        self.not_ended().filter(|place| !self.shared.is_copy(*place))
+    pub fn not_ended(&self) -> Vec<RunPlace> {
+        RunPlace::all(self.studies).filter(|place| !self.has(*place)).collect()
     }
 
     /// True if the results of a run are here.
@@ -120,7 +132,7 @@ impl<'a> StudyResults<'a> {
         outcome.is_some_and(|outcome| outcome.is_done())
     }
 
-    /// Takes the results of a run that was made now; `words` are told if it failed.
+    /// Takes the results of a run that was made now, as [`Self::take`]; `words` are told if it failed.
     ///
     /// # Errors
     /// If the disk refuses the tables.
@@ -128,7 +140,7 @@ impl<'a> StudyResults<'a> {
         &mut self,
         place: RunPlace,
         words: impl FnOnce() -> String,
-    ) -> Result<(), StudyError> {
+    ) -> Result<Vec<RunPlace>, StudyError> {
         self.ends[place.study].made += 1;
         if !self.is_done(place) {
             self.ends[place.study].failed += 1;
@@ -138,39 +150,59 @@ impl<'a> StudyResults<'a> {
     }
 
     /// Takes the results of a run, also for the studies that get a copy of it, and writes their tables anew.
+    /// Returns the runs among those that cannot be copied: they have to be made.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn take(&mut self, place: RunPlace) -> Result<(), StudyError> {
-        self.note(place);
-        self.write(place.study)?;
+    pub fn take(&mut self, place: RunPlace) -> Result<Vec<RunPlace>, StudyError> {
+        self.note(place, self.outcome(place))?;
         self.hand_on(place)
     }
 
-    /// Copies the run at `made_at` for the other studies that have it, and takes their results.
-    fn hand_on(&mut self, made_at: RunPlace) -> Result<(), StudyError> {
-        let from = self.study(made_at).folder.of_run(self.run(made_at));
+    /// Takes the results of a run for the other studies that have it.
+    fn hand_on(&mut self, made_at: RunPlace) -> Result<Vec<RunPlace>, StudyError> {
+        let outcome = self.outcome(made_at);
+        let mut left = Vec::new();
         for place in self.shared.copies_of(made_at).to_vec() {
-            if self.has(place) {
+            if self.has(place) || self.under_way.contains(&place) {
                 continue;
             }
-            if self.use_of(place)? == FolderUse::UnderWay {
-                self.tell_left_out(place);
-                continue;
+            match self.use_of(place)? {
+                // Somebody else has made it meanwhile.
+                FolderUse::Done => self.note(place, self.outcome(place))?,
+                FolderUse::UnderWay => left.push(place),
+                // It would fail as well. What is in its folder stays.
+                _ if !outcome.is_done() => {
+                    self.ends[place.study].failed += 1;
+                    self.note(place, outcome.clone())?;
+                }
+                _ if self.copy(made_at, place) => self.note(place, outcome.clone())?,
+                _ => left.push(place),
             }
-            self.study(place).folder.copy_run(self.run(place), &from)?;
-            self.ends[place.study].failed += usize::from(!self.is_done(place));
-            self.note(place);
-            self.write(place.study)?;
         }
-        Ok(())
+        Ok(left)
     }
 
-    fn note(&mut self, place: RunPlace) {
-        let (study, run) = (self.study(place), self.run(place));
+    /// Copies the run at `made_at` to `place`; tells why it cannot.
+    fn copy(&self, made_at: RunPlace, place: RunPlace) -> bool {
+        let from = self.study(made_at).folder.of_run(self.run(made_at));
+        let copied = self.study(place).folder.copy_run(self.run(place), &from);
+        if let Err(error) = &copied {
+            let from = from.display();
+            self.terminal
+                .point_out(&format!("{error}\n  {from} is not copied there; it is made anew"));
+        }
+        copied.is_ok()
+    }
+
+    fn outcome(&self, place: RunPlace) -> RunOutcome {
         // A run that the manifest's components refuse has no summary.
         let refused = || RunOutcome { status: "failed".into(), wall_time: None };
-        let outcome = study.folder.outcome(run).unwrap_or_else(refused);
+        self.study(place).folder.outcome(self.run(place)).unwrap_or_else(refused)
+    }
+
+    fn note(&mut self, place: RunPlace, outcome: RunOutcome) -> Result<(), StudyError> {
+        let (study, run) = (self.study(place), self.run(place));
         let results = RunResults::read(&study.folder, run, &study.columns, outcome);
         self.terminal.event(json!({
             "event": "run", "point": run.point, "seed": run.seed, "values": run.values,
@@ -178,6 +210,7 @@ impl<'a> StudyResults<'a> {
             "out": study.folder.of_run(run),
         }));
         self.ends[place.study].results[place.run] = Some(results);
+        self.write(place.study)
     }
 
     /// Writes the tables of a study.
@@ -193,18 +226,17 @@ impl<'a> StudyResults<'a> {
         self.terminal.point_out(&text);
     }
 
-    fn failed(&self) -> usize {
-        self.ends.iter().map(|end| end.failed).sum()
-    }
-
     fn tell_failure(&mut self, place: RunPlace, words: &str) {
-        if self.failed() > MOST_TOLD {
+        self.told += 1;
+        if self.told > MOST_TOLD {
             return;
         }
         let (study, run) = (self.study(place), self.run(place));
         let out = study.folder.of_run(run);
         let values = run.words(&study.contents);
-        let number = format!("run {} of {}", place.run + 1, study.runs.len());
+        let name =
+            if self.studies.len() > 1 { format!(" of {}", study.name()) } else { String::new() };
+        let number = format!("run {} of {}{name}", place.run + 1, study.runs.len());
         let text = format!("{number} failed: {values}; outputs in {}\n{words}", out.display());
         self.terminal.point_out(&text);
         self.terminal.event(json!({
@@ -220,7 +252,7 @@ impl<'a> StudyResults<'a> {
         }
         let made: usize = self.ends.iter().map(|end| end.made).sum();
         let each = self.begin.elapsed().as_secs_f64() / made as f64;
-        let failed = self.failed();
+        let failed = self.ends.iter().map(|end| end.failed).sum();
         self.terminal.progress_of_runs(&RunsProgress {
             ended: self.ends.iter().map(StudyEnd::ended).sum(),
             runs: self.studies.iter().map(|study| study.runs.len()).sum(),

@@ -4,17 +4,16 @@ use super::StudyError;
 use super::axes::value_text;
 use super::contents::{SEED, StudyContents};
 use super::points;
+use super::run_name::RunNames;
 use super::threads::RunThreads;
 use crate::manifest::{self, Manifest, ManifestErrors, Source, is_within};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tremie_messages::Problem;
-use xxhash_rust::xxh64::xxh64;
 
 /// A run of a study.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyRun {
     /// Its point, counted from 1.
     pub point: usize,
@@ -26,7 +25,7 @@ pub struct StudyRun {
     pub values: Vec<Value>,
     /// Changes of the manifest: key and value in TOML.
     pub sets: Vec<(String, String)>,
-    /// Name of its folder: a hash of its resolved manifest and of the files that this names.
+    /// Name of its folder.
     pub name: String,
     /// Threads of its components.
     pub threads: RunThreads,
@@ -52,7 +51,7 @@ pub fn checked_runs(
 ) -> Result<(Vec<StudyRun>, Manifest), StudyError> {
     let text = std::fs::read_to_string(&contents.base)
         .map_err(|error| StudyError::Io { path: contents.base.clone(), error })?;
-    let mut files = FileHashes::default();
+    let mut names = RunNames::default();
     let mut faults = Faults::default();
     let (mut runs, mut first) = (Vec::new(), None);
     for mut run in all_runs(contents) {
@@ -61,7 +60,7 @@ pub fn checked_runs(
         }
         match manifest::parse(&contents.base, text.clone(), &run.sets) {
             Ok(mut manifest) => {
-                run.name = format!("{:016x}", files.hash(&manifest.resolved()));
+                run.name = names.of(&manifest.resolved());
                 manifest.spec.add_output_observers();
                 run.threads = RunThreads::of(&manifest.spec);
                 first.get_or_insert(manifest);
@@ -125,37 +124,6 @@ fn check_twins(contents: &StudyContents, runs: &[StudyRun]) -> Result<(), StudyE
     }
     let source_text = contents.source.clone();
     Err(StudyError::Input(vec![ManifestErrors { source_text, problems }]))
-}
-
-/// Hashes of files that manifests name.
-#[derive(Default)]
-struct FileHashes(BTreeMap<String, u64>);
-
-impl FileHashes {
-    /// A hash of a resolved manifest and of the contents of the files that it names, such as those of
-    /// parts: another file of the same name makes another run.
-    fn hash(&mut self, resolved: &str) -> u64 {
-        let mut texts = Vec::new();
-        if let Ok(tree) = toml::from_str::<toml::Value>(resolved) {
-            collect_texts(&tree, &mut texts);
-        }
-        // A resolved manifest has the files of its scene by absolute paths.
-        texts.retain(|text| Path::new(text).is_absolute());
-        texts.into_iter().fold(xxh64(resolved.as_bytes(), 0), |hash, file| {
-            let read = || std::fs::read(&file).map_or(0, |bytes| xxh64(&bytes, 0));
-            let of_file = *self.0.entry(file.clone()).or_insert_with(read);
-            xxh64(&of_file.to_le_bytes(), hash)
-        })
-    }
-}
-
-fn collect_texts(value: &toml::Value, texts: &mut Vec<String>) {
-    match value {
-        toml::Value::String(text) => texts.push(text.clone()),
-        toml::Value::Array(entries) => entries.iter().for_each(|it| collect_texts(it, texts)),
-        toml::Value::Table(table) => table.values().for_each(|it| collect_texts(it, texts)),
-        _ => {}
-    }
 }
 
 /// What is wrong with the manifests of runs, each problem once.

@@ -3,6 +3,7 @@
 use super::folder::FolderUse;
 use super::{Study, StudyError};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
 /// Place of a run among those of several studies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,22 +33,33 @@ pub struct SharedRuns {
 }
 
 impl SharedRuns {
-    /// The runs that several of the studies have. Each is made where most of it is there.
+    /// The runs that several of the studies have, of which a cluster has those at `under_way`.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn of(studies: &[Study]) -> Result<Self, StudyError> {
-        let mut places: BTreeMap<&str, Vec<RunPlace>> = BTreeMap::new();
+    pub fn of(studies: &[Study], under_way: &BTreeSet<RunPlace>) -> Result<Self, StudyError> {
+        let folder = |study: &Study| {
+            let folder = study.contents.base.parent().unwrap_or(Path::new(""));
+            std::path::absolute(folder).unwrap_or_else(|_| folder.into())
+        };
+        let folders: Vec<PathBuf> = studies.iter().map(folder).collect();
+        let mut places: BTreeMap<(&Path, &str), Vec<RunPlace>> = BTreeMap::new();
         for place in RunPlace::all(studies) {
-            // Runs of the same name have the same resolved manifest and the same files.
-            places.entry(&studies[place.study].runs[place.run].name).or_default().push(place);
+            // Runs of the same name have the same resolved manifest and the same files, but for programs and
+            // others that are found from the manifest's folder.
+            let name = studies[place.study].runs[place.run].name.as_str();
+            places.entry((&folders[place.study], name)).or_default().push(place);
         }
         let mut shared = Self::default();
         for places in places.into_values().filter(|places| places.len() > 1) {
-            let of = |place: &RunPlace| &studies[place.study];
-            let uses =
-                places.iter().map(|place| of(place).folder.use_of(&of(place).runs[place.run]));
-            shared.add(&places, &uses.collect::<Result<Vec<_>, _>>()?);
+            let use_of = |place: &RunPlace| match under_way.contains(place) {
+                true => Ok(FolderUse::UnderWay),
+                false => {
+                    let study = &studies[place.study];
+                    study.folder.use_of(&study.runs[place.run])
+                }
+            };
+            shared.add(&places, &places.iter().map(use_of).collect::<Result<Vec<_>, _>>()?);
         }
         Ok(shared)
     }
@@ -89,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_shared_run_is_made_where_most_of_it_is_there() {
+    fn a_shared_run_is_made_where_it_is_nearest_to_its_end() {
         let places = [0, 1, 2].map(|study| RunPlace { study, run: 4 });
         for (uses, made) in [
             ([FolderUse::Free, FolderUse::Free, FolderUse::Unfinished], 0),

@@ -67,22 +67,19 @@ pub struct SlurmQueue<'a> {
 
 impl<'a> SlurmQueue<'a> {
     /// The queue of all runs that are not done.
-    ///
-    /// # Errors
-    /// If the disk refuses.
     pub fn new(
         studies: &'a [Study],
         jobs: Option<usize>,
         terminal: &'a mut Terminal,
         interrupts: &'a AtomicUsize,
-    ) -> Result<Self, StudyError> {
+    ) -> Self {
         let noted = |study: &Study| {
             // Without it, runs that Slurm has are found by the locks of their folders.
             let text = std::fs::read(study.folder.path().join(ARRAYS)).unwrap_or_default();
             serde_json::from_slice(&text).unwrap_or_default()
         };
-        Ok(Self {
-            results: StudyResults::read(studies, terminal)?,
+        Self {
+            results: StudyResults::read(studies, terminal),
             interrupts,
             at_once: jobs,
             arrays: studies.iter().map(noted).collect(),
@@ -90,7 +87,7 @@ impl<'a> SlurmQueue<'a> {
             resumed: BTreeSet::new(),
             ended: BTreeMap::new(),
             jobs: BTreeMap::new(),
-        })
+        }
     }
 
     /// Submits all runs that are neither done nor at Slurm, and collects the results: what became of each
@@ -99,9 +96,10 @@ impl<'a> SlurmQueue<'a> {
     /// # Errors
     /// If Slurm refuses, or the studies' own files cannot be written.
     pub fn make_all(mut self) -> Result<Vec<StudyEnd>, StudyError> {
-        self.results.begin()?;
         self.find_tasks()?;
-        self.submit()?;
+        let at_slurm = self.tasks.keys().copied().collect();
+        let left = self.results.begin(at_slurm, self.interrupts)?;
+        self.submit(left)?;
         let mut looked: Option<Instant> = None;
         while !self.tasks.is_empty() {
             if self.interrupts.load(Ordering::Relaxed) > 0 {
@@ -123,7 +121,7 @@ impl<'a> SlurmQueue<'a> {
             return Ok(());
         }
         let queued = queued_tasks()?;
-        let not_ended: Vec<_> = self.results.not_ended().collect();
+        let not_ended = self.results.not_ended();
         let name = |place: &RunPlace| (place.study, self.results.run(*place).name.as_str());
         let places: BTreeMap<(usize, &str), RunPlace> =
             not_ended.iter().map(|place| (name(place), *place)).collect();
@@ -150,12 +148,11 @@ impl<'a> SlurmQueue<'a> {
     }
 
     /// Submits what is neither done nor at Slurm.
-    fn submit(&mut self) -> Result<(), StudyError> {
+    fn submit(&mut self, mut left: Vec<RunPlace>) -> Result<(), StudyError> {
         let mut new = Vec::new();
-        let left: Vec<_> = self.results.left().collect();
-        for place in left.into_iter().filter(|place| !self.tasks.contains_key(place)) {
+        while let Some(place) = left.pop() {
             match self.results.use_of(place)? {
-                FolderUse::Done => self.results.take(place)?,
+                FolderUse::Done => left.extend(self.results.take(place)?),
                 FolderUse::BrokenOff => {
                     self.resumed.insert(place);
                     new.push(place);
@@ -168,6 +165,7 @@ impl<'a> SlurmQueue<'a> {
                 FolderUse::UnderWay => self.results.tell_left_out(place),
             }
         }
+        new.sort_unstable();
         self.submit_runs(&new)
     }
 
@@ -243,7 +241,7 @@ impl<'a> SlurmQueue<'a> {
     fn collect(&mut self) -> Result<(), StudyError> {
         let queued = queued_tasks()?;
         let (mut running, mut waiting) = (0, 0);
-        let (mut gone, mut anew) = (Vec::new(), Vec::new());
+        let (mut gone, mut left) = (Vec::new(), Vec::new());
         for (&place, task) in &self.tasks {
             match queued.get(task).map(|found| found.state) {
                 Some(JobState::Waiting) => waiting += 1,
@@ -265,14 +263,14 @@ impl<'a> SlurmQueue<'a> {
             if self.resumed.remove(&place) && !self.results.is_done(place) && end.has_failed() {
                 // Of another program, or with a state that is damaged: from the start, then.
                 self.results.remove(place)?;
-                anew.push(place);
+                left.push(place);
                 continue;
             }
             let file = folder.path().join(SLURM).join(format!("{job}_{task}.txt"));
-            self.results.take_made(place, || end.words(&file))?;
+            left.extend(self.results.take_made(place, || end.words(&file))?);
         }
         self.forget_ended()?;
-        self.submit_runs(&anew)?;
+        self.submit(left)?;
         self.results.show(running, waiting);
         Ok(())
     }

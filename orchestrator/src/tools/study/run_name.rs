@@ -1,0 +1,87 @@
+//! Names of runs: hashes of all that a run's results depend on.
+//!
+//! A run that was made is known again by its name, also when the project has moved, or its components are given
+//! more time. Threads change no result either, but a study may well ask how long a run takes with them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::{Table, Value};
+use xxhash_rust::xxh64::xxh64;
+
+/// Keys of `[run]` without an effect on results.
+const TIMES: [&str; 2] = ["deadline", "start_within"];
+
+/// Names of runs, and hashes of the files that their manifests name.
+#[derive(Default)]
+pub struct RunNames {
+    /// Hash of each file, by its path; `None` for what is no file.
+    files: BTreeMap<String, Option<u64>>,
+}
+
+impl RunNames {
+    /// The name of the run of a resolved manifest. The contents of the files that this names count, such as
+    /// those of parts: another file of the same name makes another run.
+    pub fn of(&mut self, resolved: &str) -> String {
+        let text = match toml::from_str::<Table>(resolved) {
+            Ok(mut manifest) => {
+                if let Some(Value::Table(run)) = manifest.get_mut("run") {
+                    TIMES.iter().for_each(|key| drop(run.remove(*key)));
+                }
+                manifest.iter_mut().for_each(|(_, value)| self.replace_paths(value));
+                manifest.to_string()
+            }
+            Err(_) => resolved.to_string(),
+        };
+        format!("{:016x}", xxh64(text.as_bytes(), 0))
+    }
+
+    /// Puts hashes of files in place of their folders. A resolved manifest has the files of its scene by
+    /// absolute paths.
+    fn replace_paths(&mut self, value: &mut Value) {
+        match value {
+            Value::String(text) if Path::new(text.as_str()).is_absolute() => {
+                let read = || Some(xxh64(&std::fs::read(&*text).ok()?, 0));
+                if let Some(hash) = self.files.entry(text.clone()).or_insert_with(read) {
+                    let name = Path::new(text.as_str()).file_name().unwrap_or_default();
+                    *text = format!("{} {hash:016x}", name.display());
+                }
+            }
+            Value::Array(entries) => entries.iter_mut().for_each(|it| self.replace_paths(it)),
+            Value::Table(table) => table.iter_mut().for_each(|(_, it)| self.replace_paths(it)),
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn manifest(part: &Path) -> String {
+        let part = part.display();
+        format!(
+            "[run]\nuntil = \"1 s\"\ndeadline = \"10 s\"\n[[scene.parts]]\nfile = \"{part}\"\n\
+             [components.fluid]\nprogram = \"fluid-lbm\"\nthreads = 2\n"
+        )
+    }
+
+    #[test]
+    fn a_name_depends_on_what_changes_results_alone() {
+        let homes = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let files = homes.each_ref().map(|home| home.path().join("frame.stl"));
+        files.iter().for_each(|file| std::fs::write(file, "solid frame").unwrap());
+        let name = |text: &str| RunNames::default().of(text);
+        let here = manifest(&files[0]);
+        let wanted = name(&here);
+        assert_eq!(name(&manifest(&files[1])), wanted, "the same project elsewhere");
+        assert_eq!(name(&here.replace("\"10 s\"", "\"60 s\"")), wanted);
+        assert_ne!(name(&here.replace("\"1 s\"", "\"2 s\"")), wanted);
+        assert_ne!(name(&here.replace("threads = 2", "threads = 8")), wanted, "a study of times");
+        assert_ne!(name(&here.replace("fluid-lbm", "fluid-fs")), wanted);
+        std::fs::write(&files[0], "solid other").unwrap();
+        assert_ne!(name(&here), wanted, "another file of the same name");
+        let [nowhere, elsewhere] =
+            ["/none/a", "/none/b"].map(|path| name(&manifest(Path::new(path))));
+        assert_ne!(nowhere, elsewhere);
+    }
+}
