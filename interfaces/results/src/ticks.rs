@@ -2,19 +2,24 @@
 
 use std::ops::Range;
 
+/// Least size of a number that is not the margin which is given to a range of zeros.
+const NOTHING: f64 = 1e-29;
+
 /// Numbers at the ticks of an axis with such values, without the digits that rounding left. Where the greatest
 /// has seven digits or is below 1e-4, they are in powers of ten.
 pub fn tick_numbers(values: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
     let greatest = values.start.abs().max(values.end.abs());
     let is_plain = (1e-4..1e6).contains(&greatest);
+    // Ticks of a narrow range differ in their last digits.
+    let digits = (greatest / (values.end - values.start)).log10().clamp(0.0, 12.0) as usize + 3;
     move |value| {
-        if value.abs() <= 1e-9 * greatest {
-            // Of a sum of steps that meets 0.
+        if value.abs() <= (1e-9 * greatest).max(NOTHING) {
+            // Also what a sum of steps is where it meets 0.
             "0".into()
         } else if is_plain {
             plain(*value)
         } else {
-            power_of_ten(*value)
+            power_of_ten(*value, digits)
         }
     }
 }
@@ -29,8 +34,8 @@ fn plain(value: f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9 + 0.0)
 }
 
-fn power_of_ten(value: f64) -> String {
-    let text = format!("{value:.5e}");
+fn power_of_ten(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$e}");
     let Some((digits, power)) = text.split_once('e') else { return text };
     let digits = digits.trim_end_matches('0').trim_end_matches('.');
     format!("{digits}e{power}")
@@ -56,6 +61,9 @@ mod tests {
         ] {
             assert_eq!(tick_numbers(&(-end..end))(&value), text, "{value} of {end}");
         }
+        assert_eq!(tick_numbers(&(-1e-30..1e-30))(&5e-31), "0", "of values that are all 0");
+        let narrow = tick_numbers(&(1_234_565.0..1_234_571.0));
+        assert_eq!([1_234_566.0, 1_234_568.0].map(|v| narrow(&v)), ["1.234566e6", "1.234568e6"]);
         assert_eq!(
             [0.1, 1e-3, 1e4, 1e5].map(|value| decade(&value)),
             ["0.1", "1e-3", "10000", "1e5"]

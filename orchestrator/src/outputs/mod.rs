@@ -29,7 +29,7 @@ pub use steering_record::{ChangeRecord, forget_changes, read_changes, record_cha
 pub use summary::{ComponentSummary, ComponentTotals, Ending, Summary};
 pub use trace::Trace;
 pub use tremie_results::SIGNALS;
-pub use whole_file::write_whole;
+pub use whole_file::{PreparedFile, write_whole};
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";

@@ -2,10 +2,57 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Writes a file anew, beside its place, and moves it there when it is whole. A full disk, a kill and a power cut
-/// leave the old file as it was.
+/// A file that is written beside its place. One that is dropped is removed.
+#[derive(Debug)]
+pub struct PreparedFile {
+    path: PathBuf,
+    /// The file beside; `None` once it is in its place.
+    part: Option<PathBuf>,
+}
+
+impl PreparedFile {
+    /// Writes a file beside the place at `path`.
+    ///
+    /// # Errors
+    /// If the disk refuses, or `fill` fails.
+    pub fn fill(
+        path: &Path,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<Self> {
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(".part");
+        let part = path.with_file_name(name);
+        let file = File::create(&part)?;
+        let prepared = Self { path: path.to_path_buf(), part: Some(part) };
+        let mut file = BufWriter::new(file);
+        fill(&mut file)?;
+        file.into_inner()?.sync_data()?;
+        Ok(prepared)
+    }
+
+    /// Moves the file to its place: a reader finds the old one or this one.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn place(mut self) -> io::Result<()> {
+        let Some(part) = &self.part else { return Ok(()) };
+        fs::rename(part, &self.path)?;
+        self.part = None;
+        Ok(())
+    }
+}
+
+impl Drop for PreparedFile {
+    fn drop(&mut self) {
+        if let Some(part) = &self.part {
+            let _ = fs::remove_file(part);
+        }
+    }
+}
+
+/// Writes a file anew. A full disk, a kill and a power cut leave the old one as it was.
 ///
 /// # Errors
 /// If the disk refuses, or `fill` fails.
@@ -13,18 +60,7 @@ pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || {
-        let mut file = BufWriter::new(File::create(&part)?);
-        fill(&mut file)?;
-        file.into_inner()?.sync_data()?;
-        fs::rename(&part, path)
-    };
-    write().inspect_err(|_| {
-        let _ = fs::remove_file(&part);
-    })
+    PreparedFile::fill(path, fill)?.place()
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use crate::manifest::{Manifest, ORCHESTRATOR};
 use crate::outputs::{
-    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, RankTimes, RunFolder, RunLog,
-    SignalTable, Statistics, Summary, Trace, write_whole,
+    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, PreparedFile, RankTimes,
+    RunFolder, RunLog, SignalTable, Statistics, Summary, Trace,
 };
 use crate::plan::{PlannedComponent, REPORT_DEPTH};
 use crate::preflight;
@@ -251,12 +251,19 @@ impl Prepared {
             let time = clock.seconds(window * clock.ticks_per_window);
             log.write(LogLevel::Info, ORCHESTRATOR, window, time, &from.to_string())?;
         }
-        let write = |name: &str, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
-            write_whole(&at(name), fill).map_err(OutputError::at(&at(name)))
+        let prepare = |name: &str, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
+            PreparedFile::fill(&at(name), fill).map_err(OutputError::at(&at(name)))
         };
-        write(outputs::MANIFEST, &|file| file.write_all(manifest.resolved().as_bytes()))?;
-        // Without a second copy in memory: it may list a million bodies.
-        write(outputs::SCENE, &|file| Ok(serde_json::to_writer(file, &manifest.spec.scene)?))?;
+        let files = [
+            prepare(outputs::MANIFEST, &|file| file.write_all(manifest.resolved().as_bytes()))?,
+            // Without a second copy in memory: it may list a million bodies.
+            prepare(outputs::SCENE, &|file| {
+                Ok(serde_json::to_writer(file, &manifest.spec.scene)?)
+            })?,
+        ];
+        for file in files {
+            file.place().map_err(OutputError::at(out.path()))?;
+        }
         let trace = execution.trace.as_ref().map(|windows| {
             let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
             let names = physics.map(|peer| peer.name.as_str());

@@ -8,6 +8,7 @@ use rustix::io::Errno;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// File that a study locks while it is under way.
 const LOCK: &str = "study.lock";
@@ -98,8 +99,7 @@ impl StudyFolder {
             Err(Errno::WOULDBLOCK) => Err(StudyError::Claimed(self.path.clone())),
             // A file system without locks has none to respect.
             _ => {
-                let part = self.path.join(COPY);
-                remove_folder(&part).map_err(StudyError::io(&part))?;
+                remove_folder(&self.path.join(COPY))?;
                 Ok(StudyLock { _file: file })
             }
         }
@@ -145,26 +145,39 @@ impl StudyFolder {
     /// # Errors
     /// If the disk refuses.
     pub fn remove(&self, run: &StudyRun) -> Result<(), StudyError> {
-        let folder = self.of_run(run);
-        remove_folder(&folder).map_err(StudyError::io(&folder))
+        remove_folder(&self.of_run(run))
     }
 
-    /// Puts a copy of a run that is done, in the folder `from`, in the place of this one. There is never half a
-    /// copy, and what was there stays until the copy is whole.
+    /// Puts a copy of a run that is done, in the folder `from`, in the place of this one; false if somebody else
+    /// has taken the place meanwhile. There is never half a copy, and what was there stays until the copy is
+    /// whole. An interrupt ends the copy.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn copy_run(&self, run: &StudyRun, from: &Path) -> Result<(), StudyError> {
+    pub fn copy_run(
+        &self,
+        run: &StudyRun,
+        from: &Path,
+        interrupts: &AtomicUsize,
+    ) -> Result<bool, StudyError> {
         // Beside the runs: what a kill leaves there is no run.
         let (part, to) = (self.path.join(COPY), self.of_run(run));
-        let copied = remove_folder(&part)
-            .and_then(|()| copy_folder(from, &part))
-            .and_then(|()| remove_folder(&to))
-            .and_then(|()| std::fs::rename(&part, &to));
-        copied.map_err(|error| {
+        let copy = || {
+            remove_folder(&part)?;
+            copy_folder(from, &part, interrupts)?;
+            match self.use_of(run)? {
+                FolderUse::Free => {}
+                FolderUse::Unfinished | FolderUse::BrokenOff => remove_folder(&to)?,
+                FolderUse::Done | FolderUse::UnderWay => return Ok(false),
+            }
+            // Refuses a folder that holds something.
+            std::fs::rename(&part, &to).map(|()| true).map_err(StudyError::io(&to))
+        };
+        let copied = copy();
+        if !matches!(copied, Ok(true)) {
             let _ = remove_folder(&part);
-            StudyError::Io { path: to, error }
-        })
+        }
+        copied
     }
 
     /// Writes a file of the study anew: a reader finds the old text or the new one, whole.
@@ -198,26 +211,34 @@ pub fn done_runs(folder: &Path) -> Option<Vec<PathBuf>> {
 }
 
 /// Removes a folder, if it is there.
-fn remove_folder(folder: &Path) -> io::Result<()> {
+fn remove_folder(folder: &Path) -> Result<(), StudyError> {
     match std::fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(StudyError::io(folder)(error)),
         _ => Ok(()),
     }
 }
 
 /// Copies a folder, to be on the disk also after a power cut.
-fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
-    std::fs::create_dir(to)?;
-    for entry in std::fs::read_dir(from)? {
-        let (from, to) = entry.map(|entry| (entry.path(), to.join(entry.file_name())))?;
+fn copy_folder(from: &Path, to: &Path, interrupts: &AtomicUsize) -> Result<(), StudyError> {
+    std::fs::create_dir(to).map_err(StudyError::io(to))?;
+    for entry in std::fs::read_dir(from).map_err(StudyError::io(from))? {
+        if interrupts.load(Ordering::Relaxed) > 0 {
+            return Err(StudyError::Interrupted);
+        }
+        let entry = entry.map_err(StudyError::io(from))?;
+        let (from, to) = (entry.path(), to.join(entry.file_name()));
         if from.is_dir() {
-            copy_folder(&from, &to)?;
+            copy_folder(&from, &to, interrupts)?;
         } else {
-            std::fs::copy(&from, &to)?;
-            File::open(&to)?.sync_data()?;
+            std::fs::copy(&from, &to).map_err(StudyError::io(&from))?;
+            sync(&to)?;
         }
     }
-    File::open(to)?.sync_all()
+    sync(to)
+}
+
+fn sync(path: &Path) -> Result<(), StudyError> {
+    File::open(path).and_then(|file| file.sync_all()).map_err(StudyError::io(path))
 }
 
 fn outcome_in(folder: &Path) -> Option<RunOutcome> {
@@ -266,9 +287,15 @@ mod tests {
         let old = texts(&to_run);
         // What a kill left of an earlier copy.
         std::fs::create_dir(to.path().join(COPY)).unwrap();
-        assert!(to.copy_run(&run, &home.path().join("nowhere")).is_err());
+        let copy = |from: &Path, interrupts| to.copy_run(&run, from, &AtomicUsize::new(interrupts));
+        assert!(copy(&home.path().join("nowhere"), 0).is_err());
+        assert!(matches!(copy(&from_run, 1), Err(StudyError::Interrupted)));
         assert_eq!(texts(to.path()), old);
-        to.copy_run(&run, &from_run).unwrap();
+        let other = RunFolder::reclaim(&to_run).unwrap();
+        assert!(!copy(&from_run, 0).unwrap(), "somebody else has it");
+        drop(other);
+        assert_eq!(texts(to.path()), old);
+        assert!(copy(&from_run, 0).unwrap());
         let within = |folder: &Path| -> Vec<_> {
             let all = texts(folder).into_iter();
             all.map(|(path, text)| (path.strip_prefix(folder).unwrap().to_owned(), text)).collect()

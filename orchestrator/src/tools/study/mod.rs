@@ -56,6 +56,14 @@ pub enum StudyError {
     /// The components of the first point do not begin.
     #[error("the components of the first point: {0}")]
     Run(RunError),
+    /// One of several studies has the error.
+    #[error("{}: {error}", file.display())]
+    Within {
+        /// The study's file.
+        file: PathBuf,
+        /// The error.
+        error: Box<Self>,
+    },
     /// Two study files would have one folder.
     #[error("two study files would have the folder {}; give each a command and an --out of its own", .0.display())]
     SameFolder(PathBuf),
@@ -92,6 +100,16 @@ pub enum StudyError {
 }
 
 impl StudyError {
+    /// The same with the file of its study, where there are several.
+    fn within(self, file: &Path, studies: usize) -> Self {
+        match self {
+            Self::Run(error) if studies > 1 => {
+                Self::Within { file: file.to_path_buf(), error: Box::new(Self::Run(error)) }
+            }
+            other => other,
+        }
+    }
+
     /// For `map_err` at `path`.
     fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         |error| Self::Io { path: path.to_path_buf(), error }
@@ -135,8 +153,16 @@ impl Study {
         for (file, folder) in files.iter().map(|file| (file, folder(file))) {
             match Self::read(file, folder, interrupts) {
                 Ok(study) => studies.push(study),
-                Err(StudyError::Input(errors)) => wrong.extend(errors),
-                Err(other) => return Err(other),
+                Err(StudyError::Input(errors)) => {
+                    // What is wrong with a manifest is told once.
+                    let is_new = |new: &ManifestErrors| {
+                        !wrong.iter().any(|old: &ManifestErrors| old.to_string() == new.to_string())
+                    };
+                    let new: Vec<_> = errors.into_iter().filter(is_new).collect();
+                    wrong.extend(new);
+                }
+                Err(other) if wrong.is_empty() => return Err(other.within(file, files.len())),
+                Err(_) => break,
             }
         }
         if wrong.is_empty() { Ok(studies) } else { Err(StudyError::Input(wrong)) }

@@ -106,7 +106,6 @@ mod tests {
     use super::*;
     use crate::tools::study::axes::StudyAxis;
     use crate::tools::study::file::AxisTable;
-    use crate::tools::study::threads::RunThreads;
     use serde_json::Value;
 
     fn axis(text: &str) -> StudyAxis {
@@ -131,12 +130,9 @@ mod tests {
         };
         let run = |row| StudyRun {
             point: row + 1,
-            seed: None,
             rows: vec![row, 0],
             values: vec![Value::Null; 2],
-            sets: Vec::new(),
-            name: String::new(),
-            threads: RunThreads::default(),
+            ..StudyRun::default()
         };
         let runs = [run(0), run(0), run(1), run(1)];
         let result = |number: Option<f64>| {

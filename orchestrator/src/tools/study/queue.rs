@@ -53,7 +53,7 @@ impl<'a> RunQueue<'a> {
         terminal: &'a mut Terminal,
         interrupts: &'a AtomicUsize,
     ) -> Self {
-        let results = StudyResults::read(studies, terminal);
+        let results = StudyResults::read(studies, terminal, interrupts);
         let (asked_jobs, jobs) = (jobs, jobs.unwrap_or(usize::MAX));
         let (waiting, going_on) = (VecDeque::new(), Vec::new());
         Self { results, interrupts, jobs, asked_jobs, waiting, going_on, told: 0 }
@@ -79,7 +79,7 @@ impl<'a> RunQueue<'a> {
     }
 
     fn go_on(&mut self) -> Result<(), StudyError> {
-        self.waiting = self.results.begin(BTreeSet::new(), self.interrupts)?.into();
+        self.waiting = self.results.begin(BTreeSet::new())?.into();
         while !(self.waiting.is_empty() && self.going_on.is_empty()) {
             self.heed_interrupts();
             self.begin_runs()?;

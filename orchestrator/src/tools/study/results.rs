@@ -10,7 +10,8 @@ use crate::tools::last_lines::last_lines;
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::Seek;
+use std::io::{ErrorKind, Seek};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -21,6 +22,7 @@ const MOST_TOLD: usize = 20;
 pub struct StudyResults<'a> {
     pub studies: &'a [Study],
     pub terminal: &'a mut Terminal,
+    interrupts: &'a AtomicUsize,
     /// What has become of each study so far.
     ends: Vec<StudyEnd>,
     shared: SharedRuns,
@@ -60,10 +62,15 @@ impl StudyEnd {
 
 impl<'a> StudyResults<'a> {
     /// Results of the runs that are done already.
-    pub fn read(studies: &'a [Study], terminal: &'a mut Terminal) -> Self {
+    pub fn read(
+        studies: &'a [Study],
+        terminal: &'a mut Terminal,
+        interrupts: &'a AtomicUsize,
+    ) -> Self {
         let ends = studies.iter().map(StudyEnd::before).collect();
         let (shared, under_way, told) = (SharedRuns::default(), BTreeSet::new(), 0);
-        Self { studies, terminal, ends, shared, under_way, told, begin: Instant::now() }
+        let begin = Instant::now();
+        Self { studies, terminal, interrupts, ends, shared, under_way, told, begin }
     }
 
     /// Writes all tables, and returns the runs to be made. A cluster has those at `under_way`. Studies get
@@ -71,11 +78,7 @@ impl<'a> StudyResults<'a> {
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn begin(
-        &mut self,
-        under_way: BTreeSet<RunPlace>,
-        interrupts: &AtomicUsize,
-    ) -> Result<Vec<RunPlace>, StudyError> {
+    pub fn begin(&mut self, under_way: BTreeSet<RunPlace>) -> Result<Vec<RunPlace>, StudyError> {
         (0..self.studies.len()).try_for_each(|study| self.write(study))?;
         self.shared = SharedRuns::of(self.studies, &under_way)?;
         self.under_way = under_way;
@@ -83,10 +86,9 @@ impl<'a> StudyResults<'a> {
         left.retain(|place| !self.shared.is_copy(*place) && !self.under_way.contains(place));
         let done: Vec<_> = self.shared.made_at().filter(|place| self.has(*place)).collect();
         for place in done {
-            if interrupts.load(Ordering::Relaxed) == 0 {
-                left.extend(self.hand_on(place)?);
-            }
+            left.extend(self.hand_on(place)?);
         }
+        left.sort_unstable();
         Ok(left)
     }
 
@@ -162,6 +164,7 @@ impl<'a> StudyResults<'a> {
     /// Takes the results of a run for the other studies that have it.
     fn hand_on(&mut self, made_at: RunPlace) -> Result<Vec<RunPlace>, StudyError> {
         let outcome = self.outcome(made_at);
+        let from = self.study(made_at).folder.of_run(self.run(made_at));
         let mut left = Vec::new();
         for place in self.shared.copies_of(made_at).to_vec() {
             if self.has(place) || self.under_way.contains(&place) {
@@ -171,28 +174,43 @@ impl<'a> StudyResults<'a> {
                 // Somebody else has made it meanwhile.
                 FolderUse::Done => self.note(place, self.outcome(place))?,
                 FolderUse::UnderWay => left.push(place),
+                _ if outcome.is_done() => {
+                    if self.copy(place, &from)? {
+                        self.note(place, outcome.clone())?;
+                    } else if self.interrupts.load(Ordering::Relaxed) == 0 {
+                        left.push(place);
+                    }
+                }
+                // It was ended from outside: the next study goes on with it.
+                _ if outcome.status == "interrupted" => {}
                 // It would fail as well. What is in its folder stays.
-                _ if !outcome.is_done() => {
+                _ => {
                     self.ends[place.study].failed += 1;
                     self.note(place, outcome.clone())?;
                 }
-                _ if self.copy(made_at, place) => self.note(place, outcome.clone())?,
-                _ => left.push(place),
             }
         }
         Ok(left)
     }
 
-    /// Copies the run at `made_at` to `place`; tells why it cannot.
-    fn copy(&self, made_at: RunPlace, place: RunPlace) -> bool {
-        let from = self.study(made_at).folder.of_run(self.run(made_at));
-        let copied = self.study(place).folder.copy_run(self.run(place), &from);
-        if let Err(error) = &copied {
-            let from = from.display();
-            self.terminal
-                .point_out(&format!("{error}\n  {from} is not copied there; it is made anew"));
+    /// Copies a run from another study; false if it cannot be copied, and has to be made.
+    fn copy(&mut self, place: RunPlace, from: &Path) -> Result<bool, StudyError> {
+        let folder = &self.study(place).folder;
+        let to = folder.of_run(self.run(place));
+        let (to, from_text) = (to.display(), from.display());
+        self.terminal.say(&format!("{to} is copied from {from_text}"));
+        match folder.copy_run(self.run(place), from, self.interrupts) {
+            Ok(is_copied) => Ok(is_copied),
+            Err(StudyError::Interrupted) => Ok(false),
+            // A run would fail there, after hours.
+            Err(StudyError::Io { path, error }) if error.kind() == ErrorKind::StorageFull => {
+                Err(StudyError::Io { path, error })
+            }
+            Err(error) => {
+                self.terminal.warn(&format!("{error}: {to} is made anew"));
+                Ok(false)
+            }
         }
-        copied.is_ok()
     }
 
     fn outcome(&self, place: RunPlace) -> RunOutcome {
@@ -237,7 +255,11 @@ impl<'a> StudyResults<'a> {
         let name =
             if self.studies.len() > 1 { format!(" of {}", study.name()) } else { String::new() };
         let number = format!("run {} of {}{name}", place.run + 1, study.runs.len());
-        let text = format!("{number} failed: {values}; outputs in {}\n{words}", out.display());
+        let copies = self.shared.copies_of(place).iter();
+        let also = |place: &RunPlace| format!(", also in {}", self.study(*place).name());
+        let also: String = copies.map(also).collect();
+        let text =
+            format!("{number} failed{also}: {values}; outputs in {}\n{words}", out.display());
         self.terminal.point_out(&text);
         self.terminal.event(json!({
             "event": "failure", "point": run.point, "seed": run.seed, "values": run.values,

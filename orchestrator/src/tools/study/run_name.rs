@@ -19,20 +19,22 @@ pub struct RunNames {
 }
 
 impl RunNames {
-    /// The name of the run of a resolved manifest. The contents of the files that this names count, such as
-    /// those of parts: another file of the same name makes another run.
-    pub fn of(&mut self, resolved: &str) -> String {
+    /// The name of the run of a resolved manifest, and the times that it is given. The contents of the files that
+    /// the manifest names count, such as those of parts: another file of the same name makes another run.
+    pub fn of(&mut self, resolved: &str) -> (String, String) {
+        let mut times = String::new();
         let text = match toml::from_str::<Table>(resolved) {
             Ok(mut manifest) => {
                 if let Some(Value::Table(run)) = manifest.get_mut("run") {
-                    TIMES.iter().for_each(|key| drop(run.remove(*key)));
+                    let given: Vec<_> = TIMES.iter().map(|key| run.remove(*key)).collect();
+                    times = format!("{given:?}");
                 }
                 manifest.iter_mut().for_each(|(_, value)| self.replace_paths(value));
                 manifest.to_string()
             }
             Err(_) => resolved.to_string(),
         };
-        format!("{:016x}", xxh64(text.as_bytes(), 0))
+        (format!("{:016x}", xxh64(text.as_bytes(), 0)), times)
     }
 
     /// Puts hashes of files in place of their folders. A resolved manifest has the files of its scene by
@@ -70,7 +72,7 @@ mod tests {
         let homes = [(); 2].map(|()| tempfile::tempdir().unwrap());
         let files = homes.each_ref().map(|home| home.path().join("frame.stl"));
         files.iter().for_each(|file| std::fs::write(file, "solid frame").unwrap());
-        let name = |text: &str| RunNames::default().of(text);
+        let name = |text: &str| RunNames::default().of(text).0;
         let here = manifest(&files[0]);
         let wanted = name(&here);
         assert_eq!(name(&manifest(&files[1])), wanted, "the same project elsewhere");

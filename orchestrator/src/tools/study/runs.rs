@@ -29,6 +29,8 @@ pub struct StudyRun {
     pub name: String,
     /// Threads of its components.
     pub threads: RunThreads,
+    /// The times that it is given, on which its results and its name do not depend.
+    pub times: String,
 }
 
 impl StudyRun {
@@ -60,7 +62,7 @@ pub fn checked_runs(
         }
         match manifest::parse(&contents.base, text.clone(), &run.sets) {
             Ok(mut manifest) => {
-                run.name = names.of(&manifest.resolved());
+                (run.name, run.times) = names.of(&manifest.resolved());
                 manifest.spec.add_output_observers();
                 run.threads = RunThreads::of(&manifest.spec);
                 first.get_or_insert(manifest);
@@ -96,8 +98,7 @@ fn run_at(contents: &StudyContents, point: usize, rows: Vec<usize>, seed: Option
     let changes = keys.zip(values.iter().map(super::axes::toml_text));
     let seeds = seed.map(|seed| (SEED.to_string(), seed.to_string()));
     let sets = contents.set.iter().cloned().chain(changes).chain(seeds).collect();
-    let (name, threads) = (String::new(), RunThreads::default());
-    StudyRun { point: point + 1, seed, rows, values, sets, name, threads }
+    StudyRun { point: point + 1, seed, rows, values, sets, ..StudyRun::default() }
 }
 
 /// No two runs are the same.
@@ -116,7 +117,7 @@ fn check_twins(contents: &StudyContents, runs: &[StudyRun]) -> Result<(), StudyE
             other.words(contents),
             run.words(contents)
         );
-        let help = "leave one of the values out: they mean the same in another unit or spelling";
+        let help = "leave one of the values out: they mean the same in another unit or spelling, or change no result, as run.deadline";
         problems.push(Problem::new("axes", message).help(help));
     }
     if problems.is_empty() {

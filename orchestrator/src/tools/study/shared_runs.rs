@@ -40,15 +40,17 @@ impl SharedRuns {
     pub fn of(studies: &[Study], under_way: &BTreeSet<RunPlace>) -> Result<Self, StudyError> {
         let folder = |study: &Study| {
             let folder = study.contents.base.parent().unwrap_or(Path::new(""));
-            std::path::absolute(folder).unwrap_or_else(|_| folder.into())
+            folder.canonicalize().unwrap_or_else(|_| folder.into())
         };
         let folders: Vec<PathBuf> = studies.iter().map(folder).collect();
-        let mut places: BTreeMap<(&Path, &str), Vec<RunPlace>> = BTreeMap::new();
+        let mut places: BTreeMap<_, Vec<RunPlace>> = BTreeMap::new();
         for place in RunPlace::all(studies) {
             // Runs of the same name have the same resolved manifest and the same files, but for programs and
             // others that are found from the manifest's folder.
-            let name = studies[place.study].runs[place.run].name.as_str();
-            places.entry((&folders[place.study], name)).or_default().push(place);
+            let run = &studies[place.study].runs[place.run];
+            // One that fails for want of time must not fail for all.
+            let key = (&folders[place.study], &run.name, &run.times);
+            places.entry(key).or_default().push(place);
         }
         let mut shared = Self::default();
         for places in places.into_values().filter(|places| places.len() > 1) {

@@ -79,7 +79,7 @@ impl<'a> SlurmQueue<'a> {
             serde_json::from_slice(&text).unwrap_or_default()
         };
         Self {
-            results: StudyResults::read(studies, terminal),
+            results: StudyResults::read(studies, terminal, interrupts),
             interrupts,
             at_once: jobs,
             arrays: studies.iter().map(noted).collect(),
@@ -98,8 +98,10 @@ impl<'a> SlurmQueue<'a> {
     pub fn make_all(mut self) -> Result<Vec<StudyEnd>, StudyError> {
         self.find_tasks()?;
         let at_slurm = self.tasks.keys().copied().collect();
-        let left = self.results.begin(at_slurm, self.interrupts)?;
-        self.submit(left)?;
+        let left = self.results.begin(at_slurm)?;
+        if self.interrupts.load(Ordering::Relaxed) == 0 {
+            self.submit(left)?;
+        }
         let mut looked: Option<Instant> = None;
         while !self.tasks.is_empty() {
             if self.interrupts.load(Ordering::Relaxed) > 0 {
@@ -257,6 +259,7 @@ impl<'a> SlurmQueue<'a> {
             if !is_seen && ended.elapsed() < FILES_SEEN {
                 continue;
             }
+            self.ended.remove(&place);
             let Some((script, task)) = self.tasks.remove(&place) else { continue };
             let job = self.jobs.get(&script).cloned().unwrap_or_default();
             let end = JobEnd::asked(format!("{job}_{task}"));
