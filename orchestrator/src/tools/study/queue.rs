@@ -23,10 +23,8 @@ const LOOK: Duration = Duration::from_millis(20);
 pub struct RunQueue<'a> {
     results: StudyResults<'a>,
     interrupts: &'a AtomicUsize,
-    /// Most runs at once.
-    jobs: usize,
-    /// The same as the command asks for it.
-    asked_jobs: Option<usize>,
+    /// Most runs at once, if the command says so.
+    jobs: Option<usize>,
     /// Runs that wait.
     waiting: VecDeque<RunPlace>,
     going_on: Vec<RunningRun>,
@@ -54,9 +52,8 @@ impl<'a> RunQueue<'a> {
         interrupts: &'a AtomicUsize,
     ) -> Self {
         let results = StudyResults::read(studies, terminal, interrupts);
-        let (asked_jobs, jobs) = (jobs, jobs.unwrap_or(usize::MAX));
         let (waiting, going_on) = (VecDeque::new(), Vec::new());
-        Self { results, interrupts, jobs, asked_jobs, waiting, going_on, told: 0 }
+        Self { results, interrupts, jobs, waiting, going_on, told: 0 }
     }
 
     /// Makes all runs that are left. After an interrupt those under way end in order, and none begins.
@@ -113,7 +110,7 @@ impl<'a> RunQueue<'a> {
     }
 
     fn share(&self, place: RunPlace) -> ThreadShare {
-        self.results.run(place).threads.share(cores(), self.asked_jobs)
+        self.results.run(place).threads.share(cores(), self.jobs)
     }
 
     /// Starts runs that wait, in their order, as long as they fit.
@@ -122,7 +119,8 @@ impl<'a> RunQueue<'a> {
         for _ in 0..self.waiting.len() {
             let Some(&place) = self.waiting.front() else { break };
             let going_on: Vec<u32> = self.going_on.iter().map(|run| run.threads).collect();
-            if !may_begin(&going_on, self.share(place).threads, self.jobs, cores()) {
+            let jobs = self.jobs.unwrap_or(usize::MAX);
+            if !may_begin(&going_on, self.share(place).threads, jobs, cores()) {
                 break;
             }
             self.waiting.pop_front();

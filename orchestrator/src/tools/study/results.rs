@@ -130,8 +130,7 @@ impl<'a> StudyResults<'a> {
 
     /// True if a run is done, as its folder tells.
     pub fn is_done(&self, place: RunPlace) -> bool {
-        let outcome = self.study(place).folder.outcome(self.run(place));
-        outcome.is_some_and(|outcome| outcome.is_done())
+        self.outcome(place).is_done()
     }
 
     /// Takes the results of a run that was made now, as [`Self::take`]; `words` are told if it failed.
