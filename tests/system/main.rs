@@ -12,6 +12,7 @@ mod cluster;
 mod compare;
 mod compressible_gas;
 mod conform;
+mod copied_inputs;
 mod coupling;
 mod damaged_manifests;
 mod doctor;

@@ -387,6 +387,23 @@ fn wrong_studies_are_refused_before_anything_runs() {
     assert_eq!((&problem["event"], &problem["line"]), (&"problem".into(), &6.into()), "{problem}");
 }
 
+/// A study may wait for days while its user goes on with the manifest.
+#[test]
+fn a_run_whose_manifest_changed_since_it_was_planned_is_refused() {
+    let home = Home::new(STUDY);
+    let printed = said(&home.study(&["--out", "out", "--print"]));
+    let lines: Vec<&str> = printed.lines().collect();
+    let make = |line: &str| Command::new("sh").args(["-c", line]).output().unwrap();
+    assert!(make(lines[0]).status.success());
+    let longer = SMALL.replace("0.02 s", "0.03 s");
+    std::fs::write(home.path().join("base.toml"), longer).unwrap();
+    let refused = make(lines[1]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = errors(&refused);
+    assert!(said.contains("has changed since the study planned this run"), "{said}");
+    assert_eq!(home.ended("out").len(), 1);
+}
+
 #[test]
 fn printed_lines_make_the_runs_of_the_study() {
     let home = Home::new(STUDY);

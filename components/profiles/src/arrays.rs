@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 use tremie_messages::frame::ProfileBin;
 use tremie_messages::scene::GrainProfile;
-use tremie_state::numpy;
+use tremie_state::{numpy, write_whole};
 use zip::ZipWriter;
 
 /// Writes the tables of a profile; under its name the file is whole.
@@ -14,19 +14,11 @@ use zip::ZipWriter;
 /// # Errors
 /// If the disk refuses.
 pub fn write(path: &Path, profile: &GrainProfile, tables: &[ProfileTable]) -> io::Result<()> {
-    let begun = path.with_extension("part");
-    let written = File::create(&begun)
-        .and_then(|file| fill(ZipWriter::new(BufWriter::new(file)), profile, tables))
-        .and_then(|()| std::fs::rename(&begun, path));
-    if written.is_err() {
-        // Half a file is of no use, and its room may be.
-        let _ = std::fs::remove_file(&begun);
-    }
-    written
+    write_whole(path, |file| fill(ZipWriter::new(file), profile, tables))
 }
 
 fn fill(
-    mut archive: ZipWriter<BufWriter<File>>,
+    mut archive: ZipWriter<&mut BufWriter<File>>,
     profile: &GrainProfile,
     tables: &[ProfileTable],
 ) -> io::Result<()> {
@@ -48,7 +40,8 @@ fn fill(
         let column = tables.iter().flat_map(|table| &table.bins).map(|bin| bin.values()[k]);
         array(&mut archive, name, &shape, column)?;
     }
-    archive.finish()?.flush()
+    archive.finish()?;
+    Ok(())
 }
 
 /// Adds an array, in C's order.

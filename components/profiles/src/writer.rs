@@ -102,7 +102,7 @@ impl ProfileFiles {
         check_length(&self.path, file.metadata().map_err(failed)?.len(), length)?;
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(failed)?;
         // Arrays of a run that ended hold tables that come again.
-        for later in ["npz", "part"].map(|ending| self.path.with_extension(ending)) {
+        for later in ["npz", "npz.part"].map(|ending| self.path.with_extension(ending)) {
             match std::fs::remove_file(&later) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => {
                     return Err(StateError::Io { path: later, error });

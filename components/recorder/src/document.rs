@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 use tremie_messages::scene::Scene;
 use tremie_messages::schedule::Script;
 use tremie_messages::start::{Assignment, Clock, FrameContent, FrameStream, Hello, Transport};
@@ -41,7 +42,8 @@ impl RunNote {
             every: frame.every,
         };
         Self {
-            scene: setup.hello.scene.clone(),
+            // Runs of equal scenes have equal recordings, wherever their files are.
+            scene: setup.hello.scene.with_copies(),
             clock: assignment.clock,
             windows: assignment.windows,
             streams: assignment.frames.iter().map(note).collect(),
@@ -100,7 +102,7 @@ impl RunNote {
                 run: 0,
                 component: component.into(),
                 role: Role::Observer,
-                scene: self.scene.clone(),
+                scene: self.scene.clone().in_folder(Path::new(output)),
                 parameters,
                 threads: 1,
                 output: output.into(),

@@ -40,16 +40,20 @@
 mod archive;
 mod error;
 mod exchange;
+mod file_content;
 mod number;
 pub mod numpy;
 mod parts;
 mod reliances;
 mod saved;
+mod whole_file;
 
 pub use archive::{StateArchive, StateHeader};
 pub use error::StateError;
 pub use exchange::{KeepsState, StateExchange};
+pub use file_content::have_same_content;
 pub use number::StateNumber;
 pub use parts::{SharedRows, StatePart, StatePlace, bytes_on_disk};
 pub use reliances::Reliances;
 pub use saved::SavedState;
+pub use whole_file::{PreparedFile, write_whole};

@@ -12,7 +12,7 @@ use schemars::generate::SchemaSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use tremie_messages::Role;
-use tremie_messages::scene::{Domain, Inlet, Profile, Tangential};
+use tremie_messages::scene::{Domain, Inlet, InputFiles, Profile, Tangential};
 use tremie_messages::units::{
     Acceleration, Angle, AngularVelocity, Force, Length, Pressure, Temperature, Time, Velocity,
 };
@@ -28,9 +28,31 @@ impl Manifest {
     /// units. It reads back as an equal [`super::Spec`]. Numbers of threads stay open where they
     /// were, because they belong to the machine and change no result.
     pub fn resolved(&self) -> String {
-        // Plain tables, strings and finite numbers: TOML has a form for each of them.
-        toml::to_string(&self.document).expect("a manifest that was read can be written")
+        text_of(&self.document)
     }
+
+    /// The same with the places of copies in the folder of a run instead of the files that it names.
+    pub fn with_copies(&self) -> String {
+        let (files, mut document) = (self.input_files(), self.document.clone());
+        for path in document.paths() {
+            *path = files.place(path).unwrap_or(path).to_string();
+        }
+        text_of(&document)
+    }
+
+    /// The files that the manifest names: those of the scene as components know it, and those of shapes.
+    pub fn input_files(&self) -> InputFiles {
+        let mut files = self.spec.scene.input_files();
+        let shapes = self.document.scene.shapes.iter();
+        shapes.filter_map(|shape| shape.file.as_ref()).for_each(|file| files.add(file));
+        files
+    }
+}
+
+/// A document in TOML.
+fn text_of(document: &Document) -> String {
+    // Plain tables, strings and finite numbers: TOML has a form for each of them.
+    toml::to_string(document).expect("a manifest that was read can be written")
 }
 
 /// The JSON schema of manifests, with the settings of the built-in components.
@@ -87,7 +109,8 @@ impl Document {
     /// Fills in what the user left open. Paths of files are relative to `folder`.
     pub(super) fn fill(&mut self, folder: &Path) {
         self.fill_run();
-        self.fill_scene(folder);
+        self.fill_scene();
+        self.paths().for_each(|path| make_absolute(path, folder));
         for (name, entry) in &mut self.components {
             fill_component(name, entry);
         }
@@ -95,6 +118,15 @@ impl Document {
             stop.after.get_or_insert(Time(0.0));
             stop.hold.get_or_insert(Time(0.0));
         }
+    }
+
+    /// Paths of the files that it names.
+    fn paths(&mut self) -> impl Iterator<Item = &mut String> {
+        let scene = &mut self.scene;
+        let of_parts = scene.parts.iter_mut().filter_map(|part| part.file.as_mut());
+        let of_surfaces = scene.surfaces.iter_mut().filter_map(|surface| surface.table.as_mut());
+        let of_shapes = scene.shapes.iter_mut().filter_map(|shape| shape.file.as_mut());
+        of_parts.chain(of_surfaces).chain(of_shapes)
     }
 
     fn fill_run(&mut self) {
@@ -109,7 +141,7 @@ impl Document {
         }
     }
 
-    fn fill_scene(&mut self, folder: &Path) {
+    fn fill_scene(&mut self) {
         let scene = &mut self.scene;
         scene.gravity.get_or_insert([Acceleration(0.0); 3]);
         // First, because planes, parts and surfaces take over the domain's material.
@@ -131,17 +163,14 @@ impl Document {
         }
         for part in &mut scene.parts {
             part.material = part.material.take().or_else(|| scene.domain.material.clone());
-            fill_part(part, folder);
+            fill_part(part);
         }
         for hopper in &mut scene.hoppers {
             hopper.material = hopper.material.take().or_else(|| scene.domain.material.clone());
         }
         for surface in &mut scene.surfaces {
             surface.material = surface.material.take().or_else(|| scene.domain.material.clone());
-            fill_surface(surface, folder);
-        }
-        for file in scene.shapes.iter_mut().filter_map(|shape| shape.file.as_mut()) {
-            make_absolute(file, folder);
+            fill_surface(surface);
         }
         for set in &mut scene.bodies {
             fill_bodies(set, self.run.seed, &scene.materials);
@@ -188,7 +217,7 @@ fn fill_domain(domain: &mut DomainTable) {
     }
 }
 
-fn fill_part(part: &mut PartTable, folder: &Path) {
+fn fill_part(part: &mut PartTable) {
     part.position.get_or_insert([Length(0.0); 3]);
     part.cavity.get_or_insert(false);
     let motion = part.motion.get_or_insert(PartMotionEntry::Name(MotionName::Fixed));
@@ -197,19 +226,13 @@ fn fill_part(part: &mut PartTable, folder: &Path) {
         slider.velocity.get_or_insert(Velocity(0.0));
         slider.force.get_or_insert(Force(0.0));
     }
-    if let Some(file) = &mut part.file {
-        make_absolute(file, folder);
-    }
     fill_course(&mut part.course);
 }
 
-fn fill_surface(surface: &mut SurfaceTable, folder: &Path) {
+fn fill_surface(surface: &mut SurfaceTable) {
     surface.position.get_or_insert([Length(0.0); 3]);
     surface.sectors.get_or_insert(SECTORS);
     surface.start.get_or_insert(Length(0.0));
-    if let Some(table) = &mut surface.table {
-        make_absolute(table, folder);
-    }
 }
 
 /// The resolved manifest is read back from another folder.

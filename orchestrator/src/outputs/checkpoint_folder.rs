@@ -262,7 +262,7 @@ pub struct WholeCheckpoint {
     folder: PathBuf,
     /// What it is of.
     pub record: CheckpointRecord,
-    /// The manifest of its run, as resolved.
+    /// The manifest of its run, as resolved; paths of copies are relative to the run's folder.
     pub manifest: String,
     /// Windows of earlier ones.
     others: Vec<u64>,
@@ -321,6 +321,12 @@ impl WholeCheckpoint {
     /// Its folder.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// The manifest in the folder of its run: as its neighbour, its own manifest finds the copies of files.
+    pub fn manifest_file(&self) -> PathBuf {
+        let run = self.folder.parent().and_then(Path::parent).unwrap_or(Path::new(""));
+        run.join(super::MANIFEST)
     }
 
     /// Puts the orchestrator's part back where `tell` names it.

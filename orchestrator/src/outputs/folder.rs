@@ -13,6 +13,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use tremie_messages::scene::INPUTS;
 use tremie_messages::start::{Fault, FaultKind};
 
 /// Name of the summary while the run is under way.
@@ -36,6 +37,26 @@ pub enum OutputError {
         "the folder of outputs, {0:?}, is no UTF-8 text, which components must be told; choose another --out"
     )]
     NoText(PathBuf),
+    /// A file that the manifest names cannot be copied.
+    #[error("cannot read {}: {error}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        error: io::Error,
+    },
+    /// A file that the manifest names is not what it was.
+    #[error(
+        "{} has changed since the run began: put the old file back, or go on with its copy, {}, by `tremie resume`",
+        path.display(),
+        copy.display()
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// Its copy, as it was.
+        copy: PathBuf,
+    },
     /// The operating system refuses.
     #[error("cannot write {}: {error}", path.display())]
     Io {
@@ -252,7 +273,9 @@ impl RunFolder {
         for name in [MANIFEST, SCENE, SIGNALS, LOG, RECORDING, TRACE] {
             let _ = std::fs::remove_file(self.file(name));
         }
-        let _ = std::fs::remove_dir_all(self.file(FIELDS));
+        for folder in [FIELDS, INPUTS] {
+            let _ = std::fs::remove_dir_all(self.file(folder));
+        }
     }
 }
 

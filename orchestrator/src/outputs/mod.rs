@@ -4,6 +4,7 @@
 mod breach;
 mod checkpoint_folder;
 mod folder;
+mod input_copies;
 mod judged_finding;
 mod log;
 mod rank_times;
@@ -12,7 +13,6 @@ mod signals;
 mod steering_record;
 mod summary;
 mod trace;
-mod whole_file;
 
 pub use breach::{Breach, with_unit};
 pub use checkpoint_folder::{
@@ -20,6 +20,7 @@ pub use checkpoint_folder::{
     WholeCheckpoint, remove_old_checkpoints, remove_unfinished_checkpoints,
 };
 pub use folder::{OutputError, RunFolder};
+pub use input_copies::copy_inputs;
 pub use judged_finding::{JudgedFinding, WHOLE};
 pub use log::{LogLevel, RunLog};
 pub use rank_times::{RankShares, RankTimes};
@@ -29,7 +30,6 @@ pub use steering_record::{ChangeRecord, forget_changes, read_changes, record_cha
 pub use summary::{ComponentSummary, ComponentTotals, Ending, Summary};
 pub use trace::Trace;
 pub use tremie_results::SIGNALS;
-pub use whole_file::{PreparedFile, write_whole};
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";

@@ -2,12 +2,12 @@
 //! line, and beside it the manifest with which the run began.
 
 use super::folder::OutputError;
-use super::whole_file::write_whole;
 use super::{BEGUN, STEERING};
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
+use tremie_state::write_whole;
 
 /// A change of the manifest.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

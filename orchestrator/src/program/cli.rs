@@ -231,6 +231,9 @@ pub struct RunArgs {
     /// Make the run in its job (the script of --slurm calls this).
     #[arg(long, hide = true, requires = "out", conflicts_with = "slurm")]
     pub in_job: bool,
+    /// Refuse a manifest, or files that it names, of another content than this hash (a study gives it to its runs).
+    #[arg(long, hide = true, value_name = "HASH")]
+    pub content: Option<String>,
 }
 
 /// Arguments of `tremie resume`.

@@ -91,6 +91,9 @@ pub fn run_words(arguments: &RunArgs, out: &Path) -> Vec<OsString> {
         let name = kinds.find(|(kind, _)| *kind == injection.kind).map_or("", |(_, name)| name);
         words.option("--inject", format!("{component}:{name}@{}", injection.window));
     }
+    if let Some(content) = &arguments.content {
+        words.option("--content", content);
+    }
     words.add("--quiet");
     words.add("--in-job");
     words.0
@@ -169,6 +172,8 @@ mod tests {
             "0",
             "--inject",
             "grains:drop@17",
+            "--content",
+            "00ff",
             "--quiet",
             "--in-job",
         ];

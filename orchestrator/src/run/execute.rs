@@ -2,8 +2,8 @@
 
 use crate::manifest::{Manifest, ORCHESTRATOR};
 use crate::outputs::{
-    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, PreparedFile, RankTimes,
-    RunFolder, RunLog, SignalTable, Statistics, Summary, Trace,
+    self, ComponentSummary, LaterCheckpoints, LogLevel, OutputError, RankTimes, RunFolder, RunLog,
+    SignalTable, Statistics, Summary, Trace,
 };
 use crate::plan::{PlannedComponent, REPORT_DEPTH};
 use crate::preflight;
@@ -20,7 +20,8 @@ use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::steering::SteeringSocket;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
@@ -30,6 +31,7 @@ use tremie_channels::{ChannelMedium, InProcess, SharedMemory, memory};
 use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
+use tremie_state::PreparedFile;
 
 /// Time that a component polls before it sleeps. Longer than a round trip between two processes
 /// (some microseconds), shorter than the time that a wake-up is worth.
@@ -239,6 +241,7 @@ impl Prepared {
     ) -> Result<(SignalTable, RunLog, Option<Trace>), OutputError> {
         let at = |name: &str| out.file(name);
         out.reserve(names.len())?;
+        outputs::copy_inputs(out.path(), &manifest.input_files())?;
         let (every, clock, table) =
             (self.plan.signal_rows_every, self.plan.clock, at(outputs::SIGNALS));
         let (table, mut log) = if from.and_then(Origin::own).is_some() {
@@ -251,11 +254,11 @@ impl Prepared {
             let time = clock.seconds(window * clock.ticks_per_window);
             log.write(LogLevel::Info, ORCHESTRATOR, window, time, &from.to_string())?;
         }
-        let prepare = |name: &str, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
+        let prepare = |name: &str, fill: &dyn Fn(&mut BufWriter<File>) -> std::io::Result<()>| {
             PreparedFile::fill(&at(name), fill).map_err(OutputError::at(&at(name)))
         };
         let files = [
-            prepare(outputs::MANIFEST, &|file| file.write_all(manifest.resolved().as_bytes()))?,
+            prepare(outputs::MANIFEST, &|file| file.write_all(manifest.with_copies().as_bytes()))?,
             // Without a second copy in memory: it may list a million bodies.
             prepare(outputs::SCENE, &|file| {
                 Ok(serde_json::to_writer(file, &manifest.spec.scene)?)
@@ -284,7 +287,7 @@ impl Prepared {
             manifest.spec.run.checkpoints,
             self.plan.can_be_kept(&self.descriptions),
             self.checkpoint_record(programs),
-            manifest.resolved(),
+            manifest.with_copies(),
             out.to_path_buf(),
             (first, newest),
         )

@@ -54,10 +54,7 @@ impl Halo {
             for place in blocks.filter_map(|block| window.place(block)) {
                 let first = place * CELLS_PER_BLOCK;
                 let end = (first + CELLS_PER_BLOCK).min(layout.cells.len() as u32);
-                match cells.last_mut() {
-                    Some(last) if last.end == first => last.end = end,
-                    _ => cells.push(first..end),
-                }
+                add_run(&mut cells, first..end);
             }
             let tells_isolated = shares.depth() > 1;
             Route { cells, single: Default::default(), singles: 0, tells_isolated }
@@ -180,10 +177,7 @@ impl Route {
                 LinkEnd::BoundaryId(fixture) => !layout.cells.is_beyond(*fixture),
             };
             if ends.iter().any(is_wall) {
-                match at_walls.last_mut() {
-                    Some(last) if last.end == cell => last.end += 1,
-                    _ => at_walls.push(cell..cell + 1),
-                }
+                add_run(&mut at_walls, cell..cell + 1);
                 continue;
             }
             // A population comes against the link of the opposite direction.
@@ -245,11 +239,14 @@ impl Route {
 /// Places, in their order, as runs of those that follow each other.
 fn runs_of(places: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
-    for place in places {
-        match runs.last_mut() {
-            Some(last) if last.end == place => last.end += 1,
-            _ => runs.push(place..place + 1),
-        }
-    }
+    places.for_each(|place| add_run(&mut runs, place..place + 1));
     runs
+}
+
+/// Adds a run, to the last one if it follows that.
+fn add_run<T: PartialEq>(runs: &mut Vec<Range<T>>, next: Range<T>) {
+    match runs.last_mut() {
+        Some(last) if last.end == next.start => last.end = next.end,
+        _ => runs.push(next),
+    }
 }

@@ -7,6 +7,7 @@ use crate::table::interpolation::Table;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use tremie_state::write_whole;
 
 const FORMAT: &str = "tremie-rubber-table";
 const VERSION: u32 = 1;
@@ -106,19 +107,11 @@ impl Table {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
-        let beside = path.with_extension("partial");
-        let write = || {
-            let mut file = std::io::BufWriter::new(std::fs::File::create(&beside)?);
-            serde_json::to_writer(&mut file, &TableDocument::from(self.contents()))?;
-            file.write_all(b"\n")?;
-            file.into_inner().map_err(std::io::IntoInnerError::into_error)?.sync_all()?;
-            std::fs::rename(&beside, path)
-        };
-        write().map_err(|error| {
-            // What is left of it is of no use, and may not be there.
-            let _ = std::fs::remove_file(&beside);
-            FileError::Io { path: path.into(), error }
+        write_whole(path, |file| {
+            serde_json::to_writer(&mut *file, &TableDocument::from(self.contents()))?;
+            file.write_all(b"\n")
         })
+        .map_err(|error| FileError::Io { path: path.into(), error })
     }
 }
 

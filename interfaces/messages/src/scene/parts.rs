@@ -33,7 +33,7 @@ pub struct Part {
 pub enum Geometry {
     /// Triangles from a file, STL (binary or text) or OBJ.
     File {
-        /// Absolute path.
+        /// Absolute path; in a recording from the folder of its run.
         path: String,
         /// Length of one unit of the file [m].
         unit: f64,

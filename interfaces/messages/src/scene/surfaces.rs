@@ -15,7 +15,7 @@ pub struct DeformableSurface {
     pub name: String,
     /// Name of the part that carries it, to which it is bonded.
     pub carrier: String,
-    /// File of the table of its force and shapes, absolute path.
+    /// File of the table of its force and shapes: absolute path, in a recording from the folder of its run.
     pub table: String,
     /// Pose of the section's frame in the carrier's frame.
     pub pose: Pose,

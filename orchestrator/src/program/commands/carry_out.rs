@@ -175,8 +175,7 @@ fn with_change(
     let given_up = |why: String| terminal.warn(&format!("the change was not made: {why}"));
     let from = WholeCheckpoint::find(out, Some(change.record.window));
     let from = from.map_err(|error| given_up(error.to_string())).ok()?;
-    let file = Path::new(order.manifest.source.file());
-    let manifest = changes::changed(file, &from.manifest, &change.record.set);
+    let manifest = changes::changed(&from.manifest_file(), &from.manifest, &change.record.set);
     let mut manifest = manifest.map_err(|error| given_up(error.to_string())).ok()?;
     let recorded = outputs::record_change(out, &from.manifest, &change.record);
     recorded.map_err(|error| given_up(error.to_string())).ok()?;

@@ -34,8 +34,7 @@ fn finished(out: &Path) -> Result<FinishedRun, String> {
     Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: scene_of(out)? })
 }
 
-/// The scene that a run was given. Of a run without one, or with one of another version, that of its manifest, for
-/// which the files that it names must be where they were.
+/// The scene that a run was given. Of a run without one, or with one of another version, that of its manifest.
 fn scene_of(out: &Path) -> Result<Scene, String> {
     let path = out.join(SCENE);
     match std::fs::read_to_string(&path).and_then(|text| Ok(serde_json::from_str(&text)?)) {

@@ -3,7 +3,7 @@
 use super::at_slurm::SlurmOrder;
 use super::carry_out::{Begin, RunOrder, add_observers, carry_out};
 use super::{WRONG_INPUT, refuse, refuse_text};
-use crate::outputs::{ChangeRecord, MANIFEST, RunFolder, WholeCheckpoint, record_change};
+use crate::outputs::{ChangeRecord, RunFolder, WholeCheckpoint, record_change};
 use crate::program::cli::ResumeArgs;
 use crate::program::run_words::resume_words;
 use crate::run::Execution;
@@ -21,7 +21,7 @@ pub fn resume(arguments: &ResumeArgs) -> ExitCode {
             return ExitCode::from(WRONG_INPUT);
         }
     };
-    let file = from.folder().join(MANIFEST);
+    let file = from.manifest_file();
     let mut manifest = match changes::changed(&file, &from.manifest, &sets(arguments)) {
         Ok(manifest) => manifest,
         Err(NotChanged::Wrong(errors)) => return refuse_text(&errors, arguments.json, &terminal),

@@ -9,6 +9,7 @@ use crate::program::cli::{ManifestArgs, RunArgs};
 use crate::program::run_words::run_words;
 use crate::run::{Execution, RunError, changes};
 use crate::terminal::{Style, Terminal};
+use crate::tools::study::RunNames;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tremie_messages::Problem;
@@ -34,6 +35,9 @@ fn run_checked(
     arguments: &RunArgs,
     terminal: &mut Terminal,
 ) -> Result<ExitCode, RunError> {
+    if let Some(content) = &arguments.content {
+        check_content(content, manifest)?;
+    }
     let planned = planned_changes(arguments.changes.as_deref(), manifest)?;
     let execution = Execution {
         in_process: arguments.in_process,
@@ -75,6 +79,17 @@ fn run_checked(
     carry_out(&order, execution, from, terminal, claim)
 }
 
+/// Checks that a manifest and its files have the content that a study planned.
+fn check_content(content: &str, manifest: &Manifest) -> Result<(), RunError> {
+    if RunNames::default().of(&manifest.resolved()).content == content {
+        return Ok(());
+    }
+    let message =
+        "the manifest, or a file that it names, has changed since the study planned this run";
+    let problem = Problem::new("--content", message);
+    Err(RunError::Input(vec![problem.help("start the study again: it plans its runs anew")]))
+}
+
 /// The changes in a file, each tried on the manifest that the ones before it leave.
 fn planned_changes(
     file: Option<&Path>,
@@ -97,8 +112,7 @@ fn branch((out, window): &(PathBuf, Option<u64>), manifest: &Manifest) -> Result
     let wrong = |text: String| RunError::Input(vec![Problem::new("--from", text)]);
     let checkpoint =
         WholeCheckpoint::find(out, *window).map_err(|error| wrong(error.to_string()))?;
-    let file = checkpoint.folder().join(outputs::MANIFEST);
-    let takes = changes::branch(&file, &checkpoint.manifest, manifest)
+    let takes = changes::branch(&checkpoint.manifest_file(), &checkpoint.manifest, manifest)
         .map_err(|error| wrong(error.to_string()))?;
     Ok(Begin { checkpoint, takes })
 }

@@ -6,7 +6,7 @@
 use super::checkpoints::UnderWay;
 use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
-use crate::outputs::{ChangeRecord, Ending, LogLevel, OutputError};
+use crate::outputs::{ChangeRecord, Ending, LogLevel, MANIFEST, OutputError};
 use crate::run::changes;
 use crate::steering::{
     Answer, RunState, RunStatus, SteeringCommand, SteeringRequest, SteeringSocket,
@@ -186,8 +186,8 @@ impl<S: ChannelMedium> RunLoop<'_, S> {
         let held = self.steering.hold;
         if let SteeringCommand::Set { changes: sets } = &asked.command {
             let sets = sets.clone();
-            let (file, text) = (&self.steering.manifest, &self.checkpoints.manifest);
-            if let Err(error) = changes::changed(file, text, &sets) {
+            let file = self.checkpoints.output.join(MANIFEST);
+            if let Err(error) = changes::changed(&file, &self.checkpoints.manifest, &sets) {
                 self.refuse(asked, error.to_string());
                 return Ok(());
             }

@@ -156,7 +156,7 @@ struct HeldManifests<'a> {
     order: &'a ReplayOrder<'a>,
     /// The checkpoint from which the replay begins.
     from: Option<WholeCheckpoint>,
-    /// The manifest that held before the first of the changes.
+    /// The file of the manifest that held before the first of the changes, where the run began.
     file: PathBuf,
     /// Changes from the begin on, in the order of their windows.
     changes: Vec<ChangeRecord>,
@@ -175,11 +175,7 @@ impl<'a> HeldManifests<'a> {
         // The manifest in a checkpoint is that before a change which begins there.
         let window = from.as_ref().map_or(0, |from| from.record.window);
         changes.retain(|change| change.window >= window);
-        let file = match &from {
-            Some(from) => from.folder().join(MANIFEST),
-            None if begun.exists() => begun,
-            None => order.run.join(MANIFEST),
-        };
+        let file = if begun.exists() { begun } else { order.run.join(MANIFEST) };
         Ok(Self { order, from, file, changes })
     }
 
@@ -188,7 +184,10 @@ impl<'a> HeldManifests<'a> {
         let made = self.changes.iter().filter(|change| change.window <= window);
         let sets: Vec<_> =
             made.flat_map(|change| &change.set).chain(self.order.sets).cloned().collect();
-        let manifest = manifest::load(&self.file, &sets);
+        let manifest = match &self.from {
+            Some(from) => manifest::parse(&from.manifest_file(), from.manifest.clone(), &sets),
+            None => manifest::load(&self.file, &sets),
+        };
         let mut manifest = manifest.map_err(|errors| ReplayError::Manifest(errors.into()))?;
         let spec = &mut manifest.spec;
         // Nobody watches, the end is that of the recording, and changes alone need checkpoints.

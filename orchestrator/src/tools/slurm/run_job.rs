@@ -4,11 +4,12 @@ use super::call::{SlurmError, submit};
 use super::job_end::{JobEnd, last_words};
 use super::queue::{QueuedJob, queued};
 use super::run_script::RunScript;
-use crate::outputs::{SLURM, SUMMARY, write_whole};
+use crate::outputs::{SLURM, SUMMARY};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use tremie_state::write_whole;
 
 /// File that names the job, in the run's folder of what belongs to Slurm.
 const RECORD: &str = "job.json";

@@ -2,13 +2,14 @@
 
 use super::StudyError;
 use super::runs::StudyRun;
-use crate::outputs::{OutputError, RunFolder, SUMMARY, WholeCheckpoint, write_whole};
+use crate::outputs::{OutputError, RunFolder, SUMMARY, WholeCheckpoint};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use std::fs::{File, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use tremie_state::write_whole;
 
 /// File that a study locks while it is under way.
 const LOCK: &str = "study.lock";

@@ -31,6 +31,7 @@ pub use folder::{FolderUse, StudyFolder, StudyLock, done_runs};
 pub use plots::draw_plots;
 pub use queue::RunQueue;
 pub use results::StudyEnd;
+pub use run_name::RunNames;
 pub use runs::StudyRun;
 pub use shared_runs::{RunPlace, SharedRuns};
 pub use slurm::SlurmQueue;
@@ -221,8 +222,10 @@ impl Study {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         let (base, out) = (absolute(&self.contents.base), absolute(&self.folder.of_run(run)));
         let begin = ["run".into(), base.into(), "--out".into(), out.into(), "--quiet".into()];
+        // A study may wait for days: the run must be that of its name still.
+        let content = ["--content".into(), run.content.clone().into()];
         let sets = as_options(run.sets.iter().chain(&share.sets));
-        begin.into_iter().chain(sets).collect()
+        begin.into_iter().chain(content).chain(sets).collect()
     }
 }
 

@@ -25,6 +25,8 @@ pub struct RunQueue<'a> {
     interrupts: &'a AtomicUsize,
     /// Most runs at once, if the command says so.
     jobs: Option<usize>,
+    /// Cores that this program may use.
+    cores: u32,
     /// Runs that wait.
     waiting: VecDeque<RunPlace>,
     going_on: Vec<RunningRun>,
@@ -53,7 +55,7 @@ impl<'a> RunQueue<'a> {
     ) -> Self {
         let results = StudyResults::read(studies, terminal, interrupts);
         let (waiting, going_on) = (VecDeque::new(), Vec::new());
-        Self { results, interrupts, jobs, waiting, going_on, told: 0 }
+        Self { results, interrupts, jobs, cores: cores(), waiting, going_on, told: 0 }
     }
 
     /// Makes all runs that are left. After an interrupt those under way end in order, and none begins.
@@ -110,7 +112,7 @@ impl<'a> RunQueue<'a> {
     }
 
     fn share(&self, place: RunPlace) -> ThreadShare {
-        self.results.run(place).threads.share(cores(), self.jobs)
+        self.results.run(place).threads.share(self.cores, self.jobs)
     }
 
     /// Starts runs that wait, in their order, as long as they fit.
@@ -120,7 +122,7 @@ impl<'a> RunQueue<'a> {
             let Some(&place) = self.waiting.front() else { break };
             let going_on: Vec<u32> = self.going_on.iter().map(|run| run.threads).collect();
             let jobs = self.jobs.unwrap_or(usize::MAX);
-            if !may_begin(&going_on, self.share(place).threads, jobs, cores()) {
+            if !may_begin(&going_on, self.share(place).threads, jobs, self.cores) {
                 break;
             }
             self.waiting.pop_front();
@@ -153,7 +155,7 @@ impl<'a> RunQueue<'a> {
         let mut command = this_program();
         let share = self.share(place);
         command.args(if resumes {
-            study.resuming_arguments(run, &run.threads.resuming_sets(&share, cores()))
+            study.resuming_arguments(run, &run.threads.resuming_sets(&share, self.cores))
         } else {
             study.arguments(run, &share)
         });

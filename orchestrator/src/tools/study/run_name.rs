@@ -10,6 +10,19 @@ use xxhash_rust::xxh64::xxh64;
 
 /// Keys of `[run]` without an effect on results.
 const TIMES: [&str; 2] = ["deadline", "start_within"];
+/// Key of a component without an effect on results.
+const THREADS: &str = "threads";
+
+/// A run as its resolved manifest tells it.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct NamedRun {
+    /// Its name.
+    pub name: String,
+    /// The times that it is given.
+    pub times: String,
+    /// What its results depend on, as a hash: also of a run with other threads.
+    pub content: String,
+}
 
 /// Names of runs, and hashes of the files that their manifests name.
 #[derive(Default)]
@@ -19,22 +32,28 @@ pub struct RunNames {
 }
 
 impl RunNames {
-    /// The name of the run of a resolved manifest, and the times that it is given. The contents of the files that
-    /// the manifest names count, such as those of parts: another file of the same name makes another run.
-    pub fn of(&mut self, resolved: &str) -> (String, String) {
-        let mut times = String::new();
-        let text = match toml::from_str::<Table>(resolved) {
-            Ok(mut manifest) => {
-                if let Some(Value::Table(run)) = manifest.get_mut("run") {
-                    let given: Vec<_> = TIMES.iter().map(|key| run.remove(*key)).collect();
-                    times = format!("{given:?}");
-                }
-                manifest.iter_mut().for_each(|(_, value)| self.replace_paths(value));
-                manifest.to_string()
-            }
-            Err(_) => resolved.to_string(),
+    /// The run of a resolved manifest. The contents of the files that the manifest names count, such as those of
+    /// parts: another file of the same name makes another run.
+    pub fn of(&mut self, resolved: &str) -> NamedRun {
+        let hash = |text: &str| format!("{:016x}", xxh64(text.as_bytes(), 0));
+        let Ok(mut manifest) = toml::from_str::<Table>(resolved) else {
+            let (name, content) = (hash(resolved), hash(resolved));
+            return NamedRun { name, times: String::new(), content };
         };
-        (format!("{:016x}", xxh64(text.as_bytes(), 0)), times)
+        let mut times = String::new();
+        if let Some(Value::Table(run)) = manifest.get_mut("run") {
+            let given: Vec<_> = TIMES.iter().map(|key| run.remove(*key)).collect();
+            times = format!("{given:?}");
+        }
+        manifest.iter_mut().for_each(|(_, value)| self.replace_paths(value));
+        let name = hash(&manifest.to_string());
+        let components = manifest.get_mut("components").and_then(Value::as_table_mut);
+        for (_, component) in components.into_iter().flatten() {
+            if let Value::Table(component) = component {
+                component.remove(THREADS);
+            }
+        }
+        NamedRun { name, times, content: hash(&manifest.to_string()) }
     }
 
     /// Puts hashes of files in place of their folders. A resolved manifest has the files of its scene by
@@ -72,13 +91,17 @@ mod tests {
         let homes = [(); 2].map(|()| tempfile::tempdir().unwrap());
         let files = homes.each_ref().map(|home| home.path().join("frame.stl"));
         files.iter().for_each(|file| std::fs::write(file, "solid frame").unwrap());
-        let name = |text: &str| RunNames::default().of(text).0;
+        let of = |text: &str| RunNames::default().of(text);
+        let name = |text: &str| of(text).name;
         let here = manifest(&files[0]);
         let wanted = name(&here);
         assert_eq!(name(&manifest(&files[1])), wanted, "the same project elsewhere");
         assert_eq!(name(&here.replace("\"10 s\"", "\"60 s\"")), wanted);
         assert_ne!(name(&here.replace("\"1 s\"", "\"2 s\"")), wanted);
-        assert_ne!(name(&here.replace("threads = 2", "threads = 8")), wanted, "a study of times");
+        let threads = here.replace("threads = 2", "threads = 8");
+        assert_ne!(name(&threads), wanted, "a study of times");
+        assert_eq!(of(&threads).content, of(&here).content);
+        assert_ne!(of(&here.replace("\"1 s\"", "\"2 s\"")).content, of(&here).content);
         assert_ne!(name(&here.replace("fluid-lbm", "fluid-fs")), wanted);
         std::fs::write(&files[0], "solid other").unwrap();
         assert_ne!(name(&here), wanted, "another file of the same name");

@@ -27,6 +27,8 @@ pub struct StudyRun {
     pub sets: Vec<(String, String)>,
     /// Name of its folder.
     pub name: String,
+    /// What its results depend on, as a hash.
+    pub content: String,
     /// Threads of its components.
     pub threads: RunThreads,
     /// The times that it is given, on which its results and its name do not depend.
@@ -62,7 +64,8 @@ pub fn checked_runs(
         }
         match manifest::parse(&contents.base, text.clone(), &run.sets) {
             Ok(mut manifest) => {
-                (run.name, run.times) = names.of(&manifest.resolved());
+                let named = names.of(&manifest.resolved());
+                (run.name, run.times, run.content) = (named.name, named.times, named.content);
                 manifest.spec.add_output_observers();
                 run.threads = RunThreads::of(&manifest.spec);
                 first.get_or_insert(manifest);

@@ -1,7 +1,7 @@
 //! Files that a reader finds whole: the old one or the new one.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 /// A file that is written beside its place. One that is dropped is removed.
@@ -19,7 +19,7 @@ impl PreparedFile {
     /// If the disk refuses, or `fill` fails.
     pub fn fill(
         path: &Path,
-        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> io::Result<Self> {
         let mut name = path.file_name().unwrap_or_default().to_os_string();
         name.push(".part");
@@ -58,7 +58,7 @@ impl Drop for PreparedFile {
 /// If the disk refuses, or `fill` fails.
 pub fn write_whole(
     path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> io::Result<()> {
     PreparedFile::fill(path, fill)?.place()
 }
@@ -66,13 +66,14 @@ pub fn write_whole(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
 
     #[test]
     fn a_file_that_cannot_be_filled_stays_as_it_was() {
         let home = tempfile::tempdir().unwrap();
         let path = home.path().join("scene.json");
         write_whole(&path, |file| file.write_all(b"old")).unwrap();
-        let full = |file: &mut dyn Write| {
+        let full = |file: &mut BufWriter<File>| {
             file.write_all(b"ne")?;
             Err(io::ErrorKind::StorageFull.into())
         };
