@@ -1,8 +1,12 @@
 //! The files that a manifest names are copied into the folder of a run: it needs nothing else from there on.
 
 use crate::resume::{assert_same, resumed};
+use crate::rubber::Valve;
+use crate::running::{Running, until};
 use crate::tremie::{Ran, run, tremie};
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::Duration;
 use tempfile::TempDir;
 use tremie_geometry::Mesh;
 use tremie_messages::scene::Geometry;
@@ -120,6 +124,41 @@ fn a_run_goes_on_wherever_its_folder_was_brought() {
     let output = replay.output().unwrap();
     assert!(!output.status.success(), "the messages were not recorded");
     assert!(!String::from_utf8_lossy(&output.stderr).contains("mesh"), "{output:?}");
+}
+
+#[test]
+fn a_run_goes_on_without_the_table_of_its_ring() {
+    let valve = Valve::on_rough_spheres();
+    let every = "run.checkpoints={ windows = 60, keep = 99 }";
+    let options = ["--quiet", "--until", "1.2 ms", "--set", every];
+    let whole = valve.run(&options).succeeded();
+    let broken = valve.run(&[&options[..], &["--inject", "grains:kill@217"]].concat());
+    drop(valve);
+    resumed(&broken.out, &[]);
+    assert_same(&whole.out, &broken.out);
+}
+
+/// A run that goes on by itself after a fault does so with the files that it began with.
+#[test]
+fn a_file_that_is_edited_meanwhile_changes_no_run() {
+    let home = Home::new();
+    let whole = home.run(&[]).succeeded();
+    let out = home.path("out");
+    let mut command = tremie();
+    command.arg("run").arg(home.path("manifest.toml")).arg("--out").arg(&out).arg("--quiet");
+    command.args(["--pause-at", "50", "--restart-on-fault", "1", "--inject", "grains:kill@57"]);
+    let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::piped()));
+    until("it pauses", || {
+        let listed = tremie().args(["ps", "--json"]).output().unwrap().stdout;
+        let listed = String::from_utf8(listed).unwrap();
+        let own = |line: &str| line.contains(out.to_str().unwrap()) && line.contains("\"paused\"");
+        listed.lines().any(own)
+    });
+    home.mesh("paddle", Geometry::Box { size: [3e-3, 3e-3, 4e-3] });
+    assert!(tremie().arg("continue").arg(&out).output().unwrap().status.success());
+    let code = running.wait(Duration::from_secs(60));
+    assert_eq!(code, Some(0), "{}", running.errors());
+    assert_same(&whole.out, &out);
 }
 
 /// A file that was changed after a run had begun is not taken for the one that the run has.

@@ -54,7 +54,8 @@
 //! # Metadata
 //!
 //! `tremie.run` holds, as JSON texts, `scene`, `clock`, `windows`, `streams`, and the versions of
-//! this crate and of its format; `tremie.end` the last common window.
+//! this crate and of its format; `tremie.end` the last common window. Files of the scene are told from the
+//! folder of the run (`inputs/frame.stl`): a recording is watched in its place there.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use tremie_messages::scene::Scene;
 use tremie_sdk::state::StateError;
 use tremie_sdk::{ObserverError, kept_file, own_file, sync};
 
@@ -164,10 +165,11 @@ fn beside(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// What stays of a scene for the whole run: not what drives it, nor friction. Where the text is no scene, the
-/// text.
+/// What stays of a scene for the whole run: not what drives it, nor friction. Its files count by the places of their
+/// copies: recordings before 0.3 have absolute paths. Where the text is no scene, the text.
 fn lasting_scene(text: &str) -> Value {
-    let Ok(mut scene) = serde_json::from_str::<Value>(text) else { return text.into() };
+    let scene = serde_json::from_str::<Scene>(text).map(|scene| scene.with_copies());
+    let Ok(mut scene) = scene.and_then(serde_json::to_value) else { return text.into() };
     let mut remove = |table: &str, keys: &[&str]| {
         let entries = match scene.pointer_mut(table) {
             Some(Value::Array(entries)) => &mut entries[..],
@@ -184,4 +186,33 @@ fn lasting_scene(text: &str) -> Value {
     remove("/parts", &["motion"]);
     remove("/bodies", &["motion"]);
     scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_messages::scene::{Domain, Face, Geometry, Motion, Part, PartBoundary, Pose};
+
+    fn scene(mesh: &str, unit: f64) -> String {
+        let mut scene = Scene::empty(Domain::new([0.0; 3], [1.0; 3], Face::WALLS));
+        scene.parts.push(Part {
+            name: "valve".into(),
+            geometry: Geometry::File { path: mesh.into(), unit },
+            pose: Pose::IDENTITY,
+            cavity: false,
+            material: "steel".into(),
+            motion: Motion::Fixed,
+            boundary: PartBoundary::Wall,
+        });
+        serde_json::to_string(&scene).unwrap()
+    }
+
+    #[test]
+    fn files_of_a_scene_count_by_the_places_of_their_copies() {
+        let lasting = |mesh, unit| lasting_scene(&scene(mesh, unit));
+        let copied = lasting("inputs/valve.stl", 1e-3);
+        assert_eq!(lasting("/project/valve.stl", 1e-3), copied);
+        assert_ne!(lasting("/project/valve.stl", 1e-2), copied);
+        assert_ne!(lasting("/project/other.stl", 1e-3), copied);
+    }
 }

@@ -61,7 +61,7 @@ class Results:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """The manifest of the run, all defaults included."""
+        """The manifest of the run, all defaults included; its files are told from the run's `folder`."""
         return _tremie.read_toml(self._text("manifest.toml"))
 
     @cached_property

@@ -47,7 +47,7 @@ pub enum OutputError {
     },
     /// A file that the manifest names is not what it was.
     #[error(
-        "{} has changed since the run began: put the old file back, or go on with its copy, {}, by `tremie resume`",
+        "{} has changed since the run began, which has it as {}: put the old file back, or begin a new run",
         path.display(),
         copy.display()
     )]

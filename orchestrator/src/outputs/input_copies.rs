@@ -2,8 +2,8 @@
 //! files have changed since, or the folder was brought elsewhere.
 
 use super::folder::OutputError;
-use std::fs::{self, File};
-use std::io;
+use std::fs;
+use std::io::Write;
 use std::path::Path;
 use tremie_messages::scene::InputFiles;
 use tremie_state::{have_same_content, write_whole};
@@ -11,8 +11,7 @@ use tremie_state::{have_same_content, write_whole};
 /// Copies files into the folder `out` of a run that do not lie there yet.
 ///
 /// # Errors
-/// If one cannot be read or the disk refuses, and if another file has the place of one: it was changed after the run
-/// had begun.
+/// If one cannot be read or the disk refuses, and if one is not what its copy is: it was changed after that.
 pub fn copy_inputs(out: &Path, files: &InputFiles) -> Result<(), OutputError> {
     for (path, place) in files.iter() {
         let (path, copy) = (Path::new(path), out.join(place));
@@ -26,10 +25,9 @@ pub fn copy_inputs(out: &Path, files: &InputFiles) -> Result<(), OutputError> {
                 false => return Err(OutputError::Changed { path: path.to_path_buf(), copy }),
             }
         }
-        let mut file = File::open(path).map_err(unreadable)?;
+        let content = fs::read(path).map_err(unreadable)?;
         copy.parent().map_or(Ok(()), fs::create_dir_all).map_err(OutputError::at(&copy))?;
-        write_whole(&copy, |to| io::copy(&mut file, to).map(drop))
-            .map_err(OutputError::at(&copy))?;
+        write_whole(&copy, |file| file.write_all(&content)).map_err(OutputError::at(&copy))?;
     }
     Ok(())
 }

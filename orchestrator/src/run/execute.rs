@@ -119,6 +119,11 @@ impl Prepared {
         // Commands of users wait here until the components are ready.
         let socket = steering_socket(places, out.path(), terminal);
         let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
+        // What the components have read is what was copied.
+        if let Err(error) = outputs::copy_inputs(out.path(), &manifest.input_files()) {
+            end_all(&mut self.peers, QUIT_GRACE);
+            return Err(error.into());
+        }
         if let Some(later) = later {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;

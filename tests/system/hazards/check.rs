@@ -35,6 +35,7 @@ impl Undisturbed {
             let output = tremie().args(order).arg("--quiet").output().unwrap();
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(output.status.success(), "{}: {said}", hazard.scene.name);
+            assert!(!said.contains("is lost"), "{}: {said}", hazard.scene.name);
             home
         });
         run.path()
@@ -246,8 +247,12 @@ impl Disturbance<'_> {
         };
         let temporary: Vec<_> = in_folder(self.home.join("temporary")).collect();
         assert_eq!(temporary, Vec::<String>::new(), "{about}");
-        let out = in_folder(self.out()).chain(in_folder(self.out().join("fields")));
-        let half: Vec<_> = out.filter(|name| name.ends_with(".part")).collect();
+        let folders = ["", "fields", "inputs"].map(|name| self.out().join(name));
+        let half: Vec<_> = folders
+            .into_iter()
+            .flat_map(in_folder)
+            .filter(|name| name.ends_with(".part"))
+            .collect();
         assert_eq!(half, Vec::<String>::new(), "{about}");
         let kept = checkpoints(&self.out());
         assert!(kept.iter().all(|name| name.starts_with("window")), "{kept:?}: {about}");

@@ -8,6 +8,7 @@ use crate::outputs::{self, Ending, OutputError, RunFolder, Summary, WholeCheckpo
 use crate::preflight;
 use crate::program::cli::View;
 use crate::registry::LOGS_SHOWN;
+use crate::run::changes::NotChanged;
 use crate::run::{Change, Ended, Execution, Origin, RunCall, RunError, Takes, changes, prepare};
 use crate::terminal::Terminal;
 use serde_json::Value;
@@ -86,12 +87,11 @@ pub(super) fn carry_out(
                 terminal.warn(&format!("the change is taken back: {error}"));
                 let window = from.as_ref().map_or(0, |from| from.checkpoint.record.window);
                 outputs::forget_changes(out.path(), window.saturating_sub(1))?;
-                manifest = before.take().unwrap_or(manifest);
+                manifest = before.take().map_or(manifest, Cow::Owned);
                 continue;
             }
             Err(error) => return broken_off(error, untold, out.path(), terminal),
         };
-        before = None;
         let may_go_on = interrupts.load(Ordering::Relaxed) == 0;
         // A run that goes on with a change has not ended, whatever its summary says meanwhile.
         let is_changed = may_go_on && changed(&ended).is_some();
@@ -115,9 +115,8 @@ pub(super) fn carry_out(
         execution.changes = order.changes.iter().filter(|it| it.window > window).cloned().collect();
         out = RunFolder::reclaim(out.path())?;
         from = Some(Begin::goes_on(next.from));
-        if let Some(changed) = next.manifest {
-            before = Some(std::mem::replace(&mut manifest, Cow::Owned(changed)));
-        }
+        manifest = Cow::Owned(next.manifest);
+        before = next.before;
     }
 }
 
@@ -139,8 +138,10 @@ fn broken_off(
 /// How a run goes on by itself, in the same command.
 struct NextLeg {
     from: WholeCheckpoint,
-    /// The manifest, where it changes.
-    manifest: Option<Manifest>,
+    /// The manifest of the checkpoint, whose files are the copies in the run's folder, with the change if there is one.
+    manifest: Manifest,
+    /// The same without the change.
+    before: Option<Manifest>,
     pause_at: Option<u64>,
 }
 
@@ -157,7 +158,9 @@ fn next_leg(
     }
     let Ending::Failed { fault, .. } = &ended.summary.ending else { return None };
     let from = restarts.after(fault, &ended.summary, out, terminal)?;
-    Some(NextLeg { from, manifest: None, pause_at: None })
+    let manifest = kept_manifest(&from, &[], order.view);
+    let manifest = manifest.map_err(|error| terminal.warn(&error.to_string())).ok()?;
+    Some(NextLeg { from, manifest, before: None, pause_at: None })
 }
 
 /// The change for which a run ended, to go on with the changed manifest.
@@ -175,15 +178,29 @@ fn with_change(
     let given_up = |why: String| terminal.warn(&format!("the change was not made: {why}"));
     let from = WholeCheckpoint::find(out, Some(change.record.window));
     let from = from.map_err(|error| given_up(error.to_string())).ok()?;
-    let manifest = changes::changed(&from.manifest_file(), &from.manifest, &change.record.set);
-    let mut manifest = manifest.map_err(|error| given_up(error.to_string())).ok()?;
+    let kept = |sets: &[(String, String)]| {
+        let manifest = kept_manifest(&from, sets, order.view);
+        manifest.map_err(|error| given_up(error.to_string())).ok()
+    };
+    let (manifest, before) = (kept(&change.record.set)?, kept(&[])?);
     let recorded = outputs::record_change(out, &from.manifest, &change.record);
     recorded.map_err(|error| given_up(error.to_string())).ok()?;
-    add_observers(&mut manifest, order.view);
     let set = change.record.set.iter().map(|(key, value)| format!("{key} = {value}"));
     terminal.say(&format!("changed: {}", set.collect::<Vec<_>>().join(", ")));
     let pause_at = change.is_paused.then_some(change.record.window);
-    Some(NextLeg { from, manifest: Some(manifest), pause_at })
+    Some(NextLeg { from, manifest, before: Some(before), pause_at })
+}
+
+/// The manifest of a checkpoint with changes: its files are the copies in the run's folder, whatever became of those
+/// that its user named.
+fn kept_manifest(
+    from: &WholeCheckpoint,
+    sets: &[(String, String)],
+    view: &View,
+) -> Result<Manifest, NotChanged> {
+    let mut manifest = changes::changed(&from.manifest_file(), &from.manifest, sets)?;
+    add_observers(&mut manifest, view);
+    Ok(manifest)
 }
 
 /// Restarts of a run after faults.

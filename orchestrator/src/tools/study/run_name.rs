@@ -20,7 +20,8 @@ pub struct NamedRun {
     pub name: String,
     /// The times that it is given.
     pub times: String,
-    /// What its results depend on, as a hash: also of a run with other threads.
+    /// Its manifest and the files of its scene, as a hash: also of a run with other threads, and on a machine that has
+    /// its programs elsewhere.
     pub content: String,
 }
 
@@ -45,15 +46,12 @@ impl RunNames {
             let given: Vec<_> = TIMES.iter().map(|key| run.remove(*key)).collect();
             times = format!("{given:?}");
         }
-        manifest.iter_mut().for_each(|(_, value)| self.replace_paths(value));
-        let name = hash(&manifest.to_string());
-        let components = manifest.get_mut("components").and_then(Value::as_table_mut);
-        for (_, component) in components.into_iter().flatten() {
-            if let Value::Table(component) = component {
-                component.remove(THREADS);
-            }
+        if let Some(scene) = manifest.get_mut("scene") {
+            self.replace_paths(scene);
         }
-        NamedRun { name, times, content: hash(&manifest.to_string()) }
+        let content = hash(&without_threads(manifest.clone()).to_string());
+        manifest.iter_mut().for_each(|(_, value)| self.replace_paths(value));
+        NamedRun { name: hash(&manifest.to_string()), times, content }
     }
 
     /// Puts hashes of files in place of their folders. A resolved manifest has the files of its scene by
@@ -72,6 +70,17 @@ impl RunNames {
             _ => {}
         }
     }
+}
+
+/// A manifest that leaves the threads of its components open.
+fn without_threads(mut manifest: Table) -> Table {
+    let components = manifest.get_mut("components").and_then(Value::as_table_mut);
+    for (_, component) in components.into_iter().flatten() {
+        if let Value::Table(component) = component {
+            component.remove(THREADS);
+        }
+    }
+    manifest
 }
 
 #[cfg(test)]

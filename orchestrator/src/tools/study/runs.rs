@@ -27,7 +27,7 @@ pub struct StudyRun {
     pub sets: Vec<(String, String)>,
     /// Name of its folder.
     pub name: String,
-    /// What its results depend on, as a hash.
+    /// Its manifest and the files of its scene, as a hash.
     pub content: String,
     /// Threads of its components.
     pub threads: RunThreads,
