@@ -118,12 +118,7 @@ impl Prepared {
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
         // Commands of users wait here until the components are ready.
         let socket = steering_socket(places, out.path(), terminal);
-        let control = self.start_components::<S>(manifest, execution, interrupts, from)?;
-        // What the components have read is what was copied.
-        if let Err(error) = outputs::copy_inputs(out.path(), &manifest.input_files()) {
-            end_all(&mut self.peers, QUIT_GRACE);
-            return Err(error.into());
-        }
+        let control = self.start_components::<S>((manifest, &*out), execution, interrupts, from)?;
         if let Some(later) = later {
             // Only now: where the components refuse their states, the run has ended as it had.
             out.forget_end()?;
@@ -205,7 +200,7 @@ impl Prepared {
     /// are ready.
     fn start_components<S: ChannelMedium>(
         &mut self,
-        manifest: &Manifest,
+        (manifest, out): (&Manifest, &RunFolder),
         execution: &Execution,
         interrupts: &AtomicUsize,
         from: Option<Origin<'_>>,
@@ -226,7 +221,10 @@ impl Prepared {
         let signals: Vec<_> = values.collect();
         // Before the assignments: the orchestrator creates its ends before components open theirs.
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
-        if let Err(error) = self.assign(&assignments, manifest, interrupts, from) {
+        let assigned = self.assign(&assignments, manifest, interrupts, from);
+        // What the components have read is what was copied.
+        let is_copied = || Ok(outputs::copy_inputs(out.path(), &manifest.input_files())?);
+        if let Err(error) = assigned.and_then(|()| is_copied()) {
             end_all(&mut self.peers, QUIT_GRACE);
             return Err(error);
         }
