@@ -308,10 +308,15 @@ impl<S: ChannelMedium> Context<S> {
         self.heard.granted
     }
 
-    /// Sleeps until somebody rings, at most `nap`.
-    pub fn rest(&mut self, nap: Duration) -> Result<(), Stop> {
+    /// Sleeps for `nap`, whoever rings.
+    pub fn sleep(&mut self, nap: Duration) -> Result<(), Stop> {
         self.bell.wait(Instant::now() + nap, || Ok::<Option<()>, Stop>(None))?;
         Ok(())
+    }
+
+    /// Sleeps until somebody rings, at most `nap`.
+    pub fn rest(&mut self, nap: Duration) -> Result<(), Stop> {
+        Ok(self.bell.rest(nap)?)
     }
 
     /// Accounts for the present window.

@@ -270,6 +270,8 @@ impl<S: ChannelMedium> Outlet<S> {
                     if rest.is_empty() {
                         return Ok(());
                     }
+                    // The next may find the channel full while the observer sleeps.
+                    self.ringer.ring()?;
                 }
             }
             Stream::Surfaces(sender) => {

@@ -26,7 +26,8 @@ use tremie_messages::start::{
 use tremie_messages::{Message, Problem, Role, Stamp};
 use tremie_state::StateError;
 
-/// Sleep of an observer when there is nothing to see and nobody rings.
+/// Longest sleep of an observer when there is nothing to see. A lossy one always sleeps so long: it
+/// looks often enough for the eye, and sees no more frames than the physics has cores to spare for.
 const NAP: Duration = Duration::from_millis(50);
 /// Time between the signs of an observer that it has not hung.
 const PULSE: Duration = Duration::from_millis(500);
@@ -228,6 +229,7 @@ fn show_all<S: ChannelMedium, O: Observer>(
     (inlets, has_begun): (&mut [Inlet<S>], &AtomicBool),
 ) -> Result<(u64, String), Stop> {
     let gone = |_| Stop::Aborted;
+    let is_lossless = inlets.iter().any(|inlet| inlet.plan.lossless);
     let mut watching = false;
     loop {
         // Asked before the last look: what was sent before the request is then surely seen.
@@ -258,8 +260,11 @@ fn show_all<S: ChannelMedium, O: Observer>(
         if finishing && !seen {
             return close(observer, context, inlets);
         }
-        if !seen {
+        if !seen && is_lossless {
+            // Senders wait for room.
             context.rest(NAP)?;
+        } else if !seen {
+            context.sleep(NAP)?;
         }
     }
 }

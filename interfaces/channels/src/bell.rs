@@ -7,7 +7,7 @@
 
 use crate::attachment::{Attachment, ChannelMedium, service_name};
 use crate::error::ChannelError;
-use iceoryx2::port::listener::Listener;
+use iceoryx2::port::listener::{Listener, ListenerWaitError};
 use iceoryx2::port::notifier::{Notifier, NotifierNotifyError};
 use iceoryx2::service::port_factory::event::PortFactory;
 use std::time::{Duration, Instant};
@@ -99,16 +99,21 @@ impl<S: ChannelMedium> Bell<S> {
                 return Ok(Wait::TimedOut);
             }
             // At most 20 ms: a sender may have died between its send and its ring.
-            let nap = (deadline - now).min(Duration::from_millis(20));
-            match self.listener.timed_wait(|_| {}, nap) {
-                Ok(_) => {}
-                // A signal ends the nap early; the check below decides.
-                Err(iceoryx2::port::listener::ListenerWaitError::InterruptSignal) => {}
-                Err(why) => return Err(ChannelError::failed(&self.name, why).into()),
-            }
+            self.rest((deadline - now).min(Duration::from_millis(20)))?;
             if let Some(found) = check()? {
                 return Ok(Wait::Ready(found));
             }
+        }
+    }
+
+    /// Sleeps until somebody rings, or a signal comes, at most `nap`; not at all if it was rung before.
+    ///
+    /// # Errors
+    /// [`ChannelError::Failed`].
+    pub fn rest(&self, nap: Duration) -> Result<(), ChannelError> {
+        match self.listener.timed_wait(|_| {}, nap) {
+            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
+            Err(why) => Err(ChannelError::failed(&self.name, why)),
         }
     }
 }

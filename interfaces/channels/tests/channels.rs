@@ -254,6 +254,43 @@ fn a_bell_wakes_a_sleeping_thread() {
     a_bell_wakes_a_sleeper::<InProcess>();
 }
 
+fn a_rest_ends_when_the_bell_rings<S: ChannelMedium>() {
+    let places = places();
+    let attachment = attach::<S>(&places, "sleeper");
+    let bell = Bell::hang(&attachment, "sleeper", Duration::ZERO).unwrap();
+    let ringer = Ringer::of(&attachment, "sleeper").unwrap();
+    let rested = || {
+        let begin = Instant::now();
+        bell.rest(PATIENCE).unwrap();
+        begin.elapsed()
+    };
+    // Rung before: no rest at all, and one for both.
+    (0..2).for_each(|_| ringer.ring().unwrap());
+    assert!(rested() < PATIENCE);
+    assert!(rested() >= PATIENCE);
+    let begin = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let attachment = attach::<S>(&places, "ringer");
+            let ringer = Ringer::of(&attachment, "sleeper").unwrap();
+            std::thread::sleep(PATIENCE);
+            ringer.ring().unwrap();
+        });
+        bell.rest(LONG).unwrap();
+    });
+    assert!(begin.elapsed() < LONG, "{:?}", begin.elapsed());
+}
+
+#[test]
+fn a_rest_ends_when_another_process_rings() {
+    a_rest_ends_when_the_bell_rings::<SharedMemory>();
+}
+
+#[test]
+fn a_rest_ends_when_another_thread_rings() {
+    a_rest_ends_when_the_bell_rings::<InProcess>();
+}
+
 #[test]
 fn a_sleeper_looks_up_even_if_nobody_rings() {
     let places = places();
