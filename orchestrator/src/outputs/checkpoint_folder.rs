@@ -107,8 +107,7 @@ impl UnfinishedCheckpoint {
     /// If the disk refuses.
     pub fn begin(output: &Path, window: u64) -> Result<Self, OutputError> {
         let folder = checkpoint::unfinished(output, window);
-        // Of an attempt that was killed.
-        let _ = fs::remove_dir_all(&folder);
+        remove_unfinished_checkpoints(output);
         fs::create_dir_all(&folder).map_err(OutputError::at(&folder))?;
         Ok(Self { output: output.to_path_buf(), window })
     }
@@ -158,8 +157,7 @@ impl UnfinishedCheckpoint {
 impl Drop for UnfinishedCheckpoint {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(checkpoint::unfinished(&self.output, self.window));
-        // Fails, as it shall, unless it is empty.
-        let _ = fs::remove_dir(self.output.join(checkpoint::CHECKPOINTS));
+        remove_folder_if_empty(&self.output);
     }
 }
 
@@ -168,7 +166,8 @@ fn sync_folder(folder: &Path) -> Result<(), OutputError> {
     File::open(folder).and_then(|folder| folder.sync_all()).map_err(OutputError::at(folder))
 }
 
-/// Removes folders that never became whole, because their run was killed.
+/// Removes folders that never became whole: their run was killed, or they were given up while components
+/// were still putting files into them.
 pub fn remove_unfinished_checkpoints(output: &Path) {
     let entries = fs::read_dir(output.join(checkpoint::CHECKPOINTS)).into_iter().flatten();
     for entry in entries.flatten() {
@@ -176,6 +175,13 @@ pub fn remove_unfinished_checkpoints(output: &Path) {
             let _ = fs::remove_dir_all(entry.path());
         }
     }
+    remove_folder_if_empty(output);
+}
+
+/// Removes the folder of checkpoints where there are none.
+fn remove_folder_if_empty(output: &Path) {
+    // Fails, as it shall, unless it is empty.
+    let _ = fs::remove_dir(output.join(checkpoint::CHECKPOINTS));
 }
 
 /// Removes all checkpoints of a run but the newest `keep`, and the newest that a watchdog asked for.

@@ -164,6 +164,7 @@ impl Prepared {
             Ok(driven) => Ok(self.end(driven, out)),
             Err(error) => {
                 end_all(&mut self.peers, QUIT_GRACE);
+                outputs::remove_unfinished_checkpoints(out.path());
                 Err(error.into())
             }
         }
@@ -187,6 +188,8 @@ impl Prepared {
     fn end(mut self, mut driven: LoopOutcome, out: &mut RunFolder) -> Ended {
         // Physics only: a viewer goes on serving until `Ended` is dropped.
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
+        // Of a checkpoint that was given up: only now nobody writes there any more.
+        outputs::remove_unfinished_checkpoints(out.path());
         let change = driven.change.take();
         let mut summary = self.summarise(driven);
         // Last of all files: a folder with a summary holds a run that is over.
