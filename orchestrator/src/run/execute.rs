@@ -163,8 +163,7 @@ impl Prepared {
         match drive.run(own) {
             Ok(driven) => Ok(self.end(driven, out)),
             Err(error) => {
-                end_all(&mut self.peers, QUIT_GRACE);
-                outputs::remove_unfinished_checkpoints(out.path());
+                self.quit(out.path());
                 Err(error.into())
             }
         }
@@ -182,6 +181,12 @@ impl Prepared {
         let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         let planned = execution.changes.iter().filter(|it| it.window > first).cloned().collect();
         Steering::new(socket, self.run, file, execution.pause_at, planned)
+    }
+
+    /// Ends all components of a run that cannot end in order.
+    fn quit(&mut self, out: &Path) {
+        end_all(&mut self.peers, QUIT_GRACE);
+        outputs::remove_unfinished_checkpoints(out);
     }
 
     /// Ends the physics, and writes the summary.
