@@ -40,8 +40,7 @@ fn name(process: u32) -> String {
     if words.get(1) == Some(&"run") { "orchestrator".into() } else { last.into() }
 }
 
-/// Most growth of a process in the second half of the run [kB]: pages of its allocator, and the recorder's
-/// index of its thousand frames.
+/// Most growth of a process in the second half of the run [kB]: pages of its allocator, no more.
 const MOST_GROWTH: u64 = 1024;
 
 /// Runs so many windows, and looks at all processes again and again.
@@ -99,7 +98,7 @@ fn endure(windows: u64, look: Duration) {
 type Seen = (BTreeMap<u32, Holdings>, u64);
 
 /// Compares what was held after half of the run with what was held before its end. In the first half
-/// processes begin, and the recorder's buffers grow to their size.
+/// processes begin, and the recorder takes 1 MB more, with 100,000 windows as with 300,000.
 fn nothing_grew(seen: &[Seen], names: &BTreeMap<u32, String>) {
     assert!(seen.len() >= 10, "the run was over too soon: {}", seen.len());
     // Not the very ends, at which processes begin and end.
